@@ -1,0 +1,154 @@
+"""Derivatives of one block function, taken once, cached on disk and compiled when a compiler is there.
+
+A block does not know the number of intervals, the bounds or the guesses, so one cache entry serves every
+run that uses the same physics. The cache key is the serialised function itself.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import logging
+import os
+import platform
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+from platformdirs import user_cache_path
+
+from benchbench.mpcc import Index
+
+log = logging.getLogger(__name__)
+Compile = Literal["auto", "never"]
+FLAGS = ("-O0", "-fPIC", "-shared")
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """Value, Jacobian and Hessian of a block function, each as a dense column of its nonzeros.
+
+    value(z, p, sigma) -> out; jacobian(z, p, sigma) -> nonzeros of d out / dz at (`rows`, `columns`);
+    hessian(z, p, sigma, lam) -> nonzeros of the upper triangle of d2 (lam . out) / dz2 at
+    (`hessian_rows`, `hessian_columns`).
+    """
+
+    value: ca.Function
+    jacobian: ca.Function
+    hessian: ca.Function
+    rows: Index
+    columns: Index
+    hessian_rows: Index
+    hessian_columns: Index
+    compiled: bool
+
+
+def derivatives(functions: Sequence[ca.Function], compile: Compile = "auto") -> list[Derivatives]:
+    """Return the derivatives of each function, from the cache where possible."""
+    folders = [_folder(f) for f in functions]
+    missing = {p: f for p, f in zip(folders, functions, strict=True) if not (p / "functions.casadi").is_file()}
+    for folder, function in missing.items():
+        _publish(folder, "functions.casadi", _differentiate(function).save)
+    if compile == "auto" and shutil.which("gcc"):
+        _compile_all([p for p in dict.fromkeys(folders) if not (p / "block.so").is_file()])
+    return [_load(folder, compile) for folder in folders]
+
+
+def cache_root() -> Path:
+    """Folder of the cache: $BENCHBENCH_CACHE, else the user's cache folder, else a temporary one."""
+    wanted = os.environ.get("BENCHBENCH_CACHE")
+    root = Path(wanted) if wanted else user_cache_path("benchbench") / "blocks"
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        probe = tempfile.TemporaryFile(dir=root)
+        probe.close()
+    except OSError as error:
+        log.warning("cache folder %s is not writable (%s); derivatives are not kept", root, error.strerror)
+        root = Path(tempfile.gettempdir()) / f"benchbench-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
+        root.mkdir(parents=True, exist_ok=True)
+    return root
+
+
+class _Bundle:
+    """Several CasADi functions in one file."""
+
+    def __init__(self, functions: Sequence[ca.Function]) -> None:
+        self.functions = functions
+
+    def save(self, path: Path) -> None:
+        serializer = ca.FileSerializer(str(path))
+        for function in self.functions:
+            serializer.pack(function)
+        del serializer
+
+    @staticmethod
+    def load(path: Path, count: int) -> list[ca.Function]:
+        reader = ca.FileDeserializer(str(path))
+        return [reader.unpack() for _ in range(count)]
+
+
+def _differentiate(function: ca.Function) -> _Bundle:
+    name = function.name()
+    z, p, sigma = function.sx_in()
+    out = function(z, p, sigma)
+    jacobian = ca.jacobian(out, z)
+    lam = ca.SX.sym("lam", out.shape[0])
+    hessian = ca.triu(ca.hessian(ca.dot(lam, out), z)[0])
+    out, jacobian, hessian = (ca.cse(e) for e in (out, jacobian, hessian))
+    value = ca.Function(f"{name}_value", [z, p, sigma], [ca.densify(out)])
+    flat = ca.Function(f"{name}_first", [z, p, sigma], [_nonzeros(jacobian)], {"allow_free": False})
+    curve = ca.Function(f"{name}_second", [z, p, sigma, lam], [_nonzeros(hessian)])
+    pattern = ca.Function(f"{name}_pattern", [], [ca.DM(jacobian.sparsity(), 1), ca.DM(hessian.sparsity(), 1)])
+    return _Bundle([value, flat, curve, pattern])
+
+
+def _nonzeros(matrix: ca.SX) -> ca.SX:
+    return ca.vertcat(*matrix.nonzeros()) if matrix.nnz() else ca.SX(0, 1)
+
+
+def _load(folder: Path, compile: Compile) -> Derivatives:
+    value, first, second, pattern = _Bundle.load(folder / "functions.casadi", 4)
+    library = folder / "block.so"
+    compiled = compile != "never" and library.is_file()
+    if compiled:
+        value, first, second = (ca.external(f.name(), str(library)) for f in (value, first, second))
+    jacobian, hessian = (m.sparsity().get_triplet() for m in pattern.call([]))
+    return Derivatives(value, first, second, *(np.array(i, dtype=np.int64) for i in (*jacobian, *hessian)), compiled)
+
+
+def _folder(function: ca.Function) -> Path:
+    what = "|".join([function.serialize(), ca.__version__, platform.machine(), *FLAGS])
+    folder = cache_root() / hashlib.sha256(what.encode()).hexdigest()[:32]
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+def _publish(folder: Path, name: str, write: object) -> None:
+    """Write a file under a temporary name and move it into place, so that readers never see half of it."""
+    with tempfile.TemporaryDirectory(dir=folder) as scratch:
+        write(Path(scratch) / name)  # type: ignore[operator]
+        os.replace(Path(scratch) / name, folder / name)
+
+
+def _compile_all(folders: Sequence[Path]) -> None:
+    jobs = []
+    for folder in folders:
+        scratch = Path(tempfile.mkdtemp(dir=folder))
+        source = ca.CodeGenerator("block.c")
+        for function in _Bundle.load(folder / "functions.casadi", 3):
+            source.add(function)
+        source.generate(str(scratch) + os.sep)
+        command = ["gcc", *FLAGS, str(scratch / "block.c"), "-o", str(scratch / "block.so"), "-lm"]
+        jobs.append((folder, scratch, subprocess.Popen(command, stderr=subprocess.PIPE)))
+    for folder, scratch, job in jobs:
+        _, stderr = job.communicate()
+        if job.returncode == 0:
+            os.replace(scratch / "block.so", folder / "block.so")
+        else:
+            log.warning("gcc failed, the block stays interpreted: %s", stderr.decode(errors="replace").strip()[-200:])
+        shutil.rmtree(scratch)

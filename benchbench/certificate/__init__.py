@@ -1,0 +1,1 @@
+"""Judges a plan without trusting whoever made it."""

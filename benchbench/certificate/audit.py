@@ -1,0 +1,97 @@
+"""Contact audit: which nodes claim contact, which hold every condition, what the replay does meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchbench.certificate.limits import Limits
+from benchbench.certificate.replay import Replay
+from benchbench.contact import Contact
+from benchbench.model import Plant
+from benchbench.motion import sample
+from benchbench.plan import Array, Plan
+from benchbench.scenario import Scenario
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Audit:
+    """What was found; `planned` (N + 1,) and `replayed` (m,) gaps by contact name, in the contact's unit.
+
+    claims   (N + 1,) nodes whose progress index says contact
+    window   first and last node of the longest run of nodes that claim contact and hold every condition,
+             None without any
+    dense    (m,) samples of the replay inside the window, both ends included
+    """
+
+    planned: dict[str, Array]
+    replayed: dict[str, Array]
+    claims: Flags
+    window: tuple[int, int] | None
+    dense: Flags
+
+    @property
+    def steps(self) -> int:
+        """Number of nodes in the window."""
+        return 0 if self.window is None else self.window[1] - self.window[0] + 1
+
+    def worst_planned(self, name: str) -> int:
+        """Node of the largest planned gap among those that claim contact; NaN counts as largest."""
+        return _argmax(self.planned[name], self.claims)
+
+    def worst_replayed(self, name: str) -> int:
+        """Sample of the largest replayed gap in the window; NaN counts as largest."""
+        return _argmax(self.replayed[name], self.dense)
+
+
+def audit(plan: Plan, flight: Replay, scenario: Scenario, plant: Plant, limits: Limits) -> Audit:
+    """Measure every contact at the planned nodes and on the replay.
+
+    A node counts as contact only if all conditions hold there to `limits.node`: a progress index of 0.02
+    does not buy fifty times the speed.
+    """
+    planned = _gaps(scenario, plant, plan.time, plan.configuration, plan.velocity)
+    replayed = _gaps(scenario, plant, flight.time, flight.configuration, flight.velocity)
+    claims = plan.progress > limits.contact_claim
+    holds = claims.copy()
+    for name, contact in event_contacts(scenario):
+        holds &= planned[name] <= contact.limit + limits.node
+    window = longest_run(holds)
+    dense = np.zeros(len(flight.time), bool)
+    if window is not None:
+        dense[flight.nodes[window[0]] : flight.nodes[window[1]] + 1] = True
+    return Audit(planned, replayed, claims, window, dense)
+
+
+def event_contacts(scenario: Scenario) -> Iterator[tuple[str, Contact]]:
+    """Contacts that must hold together at the event."""
+    return ((n, c) for n, c in scenario.contacts.items() if not c.always)
+
+
+def path_contacts(scenario: Scenario) -> Iterator[tuple[str, Contact]]:
+    """Conditions that must hold all the time, in contact or not."""
+    return ((n, c) for n, c in scenario.contacts.items() if c.always)
+
+
+def longest_run(flags: Flags) -> tuple[int, int] | None:
+    """First and last position of the longest stretch of True, the first of equals; None without any."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
+    if not len(edges):
+        return None
+    longest = int(np.argmax(edges[1::2] - edges[::2]))
+    return int(edges[2 * longest]), int(edges[2 * longest + 1]) - 1
+
+
+def _gaps(scenario: Scenario, plant: Plant, time: Array, q: Array, v: Array) -> dict[str, Array]:
+    position, velocity = sample(scenario.target, time)
+    with np.errstate(invalid="ignore"):
+        return {name: c.gap(plant, q, v, position, velocity) for name, c in scenario.contacts.items()}
+
+
+def _argmax(values: Array, where: Flags) -> int:
+    return int(np.argmax(np.where(where, np.where(np.isnan(values), np.inf, values), -np.inf)))

@@ -1,0 +1,50 @@
+"""Lower bound on the travel time from speed limits and reach alone, without any dynamics."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchbench.model import Model, Plant
+from benchbench.motion import sample
+from benchbench.plan import Array
+from benchbench.scenario import Scenario
+
+AXES = ("x", "y", "z")
+STEP = 1e-3
+"""Width in s of the cells in which the time of contact is searched; each cell is bounded from below."""
+
+
+def lower_bound(scenario: Scenario, model: Model, plant: Plant) -> float:
+    """Return a time in s that no plan can beat.
+
+    Axis i needs |p_end - p_start|_i / v_max,i. Where contact asks for a distance `nu_max` ("position" among
+    the contacts), the vehicle must also be at some time t within the arm's reach plus nu_max of the target
+    on every axis, and needs the time from there to the end. `inf` when no allowed travel time reaches it.
+    """
+    index = [model.configuration.index(name) for name in AXES]
+    speed = model.velocity.upper[index]
+    start, end = scenario.start_point(model)[index], scenario.end_point(model)[index]
+    direct = float(np.max(np.abs(end - start) / speed))
+    if "position" not in scenario.contacts:
+        return direct
+    reach = arm_reach(model, plant) + scenario.contacts["position"].limit
+    time = np.arange(0.0, scenario.travel_time[1], STEP)
+    target, moving = sample(scenario.target, time)
+    close = reach + STEP * np.max(np.abs(moving), axis=0)
+    reachable = np.all(np.abs(target - start) <= close + speed * (time[:, None] + STEP), axis=1)
+    rest = np.max(np.maximum(np.abs(target - end) - close, 0.0) / speed, axis=1)
+    return max(direct, float(np.min(np.where(reachable, time + rest, np.inf))))
+
+
+def arm_reach(model: Model, plant: Plant, samples: int = 181) -> float:
+    """Largest distance in m between the vehicle's position and its tool, over one arm coordinate at most.
+
+    Attitude does not change it. Sampling an arc of 180 degrees at 181 points misses less than 4e-5 of it.
+    """
+    box = model.configuration
+    arms = [i for i, name in enumerate(box.names) if name not in (*AXES, "roll", "pitch", "yaw")]
+    q: Array = np.zeros((samples, len(box.names)))
+    for i in arms:
+        q[:, i] = np.linspace(box.lower[i], box.upper[i], samples)
+    position, _ = plant.tool(q, np.zeros_like(q))
+    return float(np.max(np.linalg.norm(position, axis=1)))

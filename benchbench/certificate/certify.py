@@ -1,0 +1,84 @@
+"""From a plan to its certificate: what the backend claims plays no part."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchbench.certificate import checks
+from benchbench.certificate.audit import Audit, audit
+from benchbench.certificate.certificate import Certificate, Check, Measures
+from benchbench.certificate.limits import Limits
+from benchbench.certificate.replay import Defects, Replay, defects, replay
+from benchbench.certificate.residuals import Residuals
+from benchbench.model import Model
+from benchbench.plan import Plan
+from benchbench.scenario import Scenario
+
+
+def certify(
+    plan: Plan, scenario: Scenario, model: Model, limits: Limits, residuals: Residuals | None = None
+) -> Certificate:
+    """Judge a plan by its own numbers, the task and the vehicle's independent plant.
+
+    residuals: of the original MPCC, where the plan came from one; without them that question is not asked.
+    Raises ValueError when the plan is for another vehicle.
+    """
+    if plan.coordinate_names != model.configuration.names or plan.input_names != model.inputs.names:
+        raise ValueError(f"the plan moves {plan.coordinate_names}, the model {model.configuration.names}")
+    found = [*checks.soundness(plan)]
+    sound = all(check.ok for check in found)
+    if residuals is not None:
+        found += checks.original_problem(residuals, limits)
+    if not sound:
+        return Certificate(tuple(found), Measures(**_problem(residuals)), None)
+    plant = model.plant()
+    missed = defects(plan, plant)
+    flight = replay(plan, plant, restart_seconds=limits.restart_seconds)
+    contact = audit(plan, flight, scenario, plant, limits)
+    found += checks.planned(plan, scenario, model, limits)
+    found += checks.consistency(plan, missed, limits)
+    found += checks.contact_planned(plan, contact, scenario, limits)
+    if flight.broken_at is None:
+        found += checks.flown(plan, flight, scenario, model, limits)
+        found += checks.contact_flown(flight, contact, scenario, limits)
+    else:
+        found.append(_breakdown(flight.broken_at))
+    measures = _measures(plan, missed, flight, contact, scenario, model)
+    return Certificate(tuple(found), Measures(**_problem(residuals), **measures), flight)
+
+
+def _breakdown(at: float) -> Check:
+    reason = f"the replay diverges or cannot be integrated any further at t={at:.3f} s"
+    return Check("replay_complete", at, np.inf, "s", False, reason)
+
+
+def _problem(residuals: Residuals | None) -> dict[str, float]:
+    if residuals is None:
+        return {}
+    return {"max_violation": residuals.max_violation, "max_complementarity": residuals.max_complementarity}
+
+
+def _measures(
+    plan: Plan, missed: Defects, flight: Replay, contact: Audit, scenario: Scenario, model: Model
+) -> dict[str, float]:
+    drift = flight.configuration[flight.nodes] - plan.configuration
+    end = flight.configuration[-1:] - scenario.end_point(model)
+    numbers = {
+        "replay_defect_position_m": np.max(checks.distance(plan, missed.configuration)),
+        "replay_defect_angle_rad": np.max(checks.angle(plan, missed.configuration)),
+        "replay_drift_position_m": np.max(checks.distance(plan, drift)),
+        "replay_end_error_m": checks.distance(plan, end)[0],
+        "max_rate_ratio": np.max(checks.rate_ratio(flight.velocity, model.velocity)),
+        "contact_steps": contact.steps,
+    }
+    if contact.window is not None:
+        start, stop = plan.time[list(contact.window)]
+        numbers |= {"contact_start_s": start, "contact_end_s": stop, "contact_duration_s": stop - start}
+        for name, key in (
+            ("position", "contact_max_distance_m"),
+            ("velocity", "contact_max_speed_gap_mps"),
+            ("heading", "contact_max_heading_error_rad"),
+        ):
+            if name in contact.replayed:
+                numbers[key] = contact.replayed[name][contact.worst_replayed(name)]
+    return {key: value if isinstance(value, int) else float(value) for key, value in numbers.items()}

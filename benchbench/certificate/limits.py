@@ -1,0 +1,44 @@
+"""What a plan must keep to be certified; the values and their reasons are in conf/certificate/task.yaml."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from benchbench.scenario import NonNegative, Positive
+
+
+class Limits(BaseModel):
+    """Tolerances of the certificate, the same for every dynamics, relaxation and solver.
+
+    residual             largest violation of a bound or constraint of the original MPCC, scaled as it is
+    complementarity      largest violation of a complementarity pair, scaled as it is
+    node                 rounding allowed for ends, limits, inputs, contacts at planned nodes, own unit
+    contact_claim        a node whose progress index exceeds this claims to be in contact, 1
+    contact_allowance    by contact name: how far the replay may exceed the contact's limit, its unit
+    defect_position      an interval's replay may miss the next planned position by, m
+    defect_angle         and the next planned angle by, rad
+    overshoot_position   the replay may leave the limits of a position by, m
+    overshoot_angle      and of an angle by, rad
+    rate_ratio           largest |velocity| over its limit on the replay, 1
+    end_position         the replay may miss the end by, m
+    end_angle            and each of its angles by, rad
+    end_velocity_ratio   velocity left at the end of the replay over its limit, 1
+    restart_seconds      the replay starts again from the planned state after so long, s; null: never
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    residual: Positive
+    complementarity: Positive
+    node: Positive
+    contact_claim: Positive
+    contact_allowance: dict[str, NonNegative] = Field(default_factory=dict)
+    defect_position: Positive
+    defect_angle: Positive
+    overshoot_position: NonNegative
+    overshoot_angle: NonNegative
+    rate_ratio: Positive
+    end_position: Positive
+    end_angle: Positive
+    end_velocity_ratio: NonNegative
+    restart_seconds: Positive | None = None

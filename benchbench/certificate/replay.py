@@ -1,0 +1,141 @@
+"""Replay of the planned inputs on the plant by an error-controlled integrator (DOP853, 8th order).
+
+The inputs jump at nodes, so every interval is integrated on its own, over the fraction s in [0, 1] of it.
+Two questions, two functions: `defects` asks whether the plan agrees with itself (each interval starts at its
+planned state), `replay` what the vehicle does open loop from the first state on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import DOP853
+
+from benchbench.model import Plant
+from benchbench.plan import Array, Plan
+
+TOLERANCE = 1e-10
+"""Relative and absolute tolerance of a step, far below every limit of the certificate."""
+FAR = 1e3
+"""m, rad, m/s or rad/s: a replay that gets here has left any room and is stopped."""
+EVALUATIONS = 5000
+"""Evaluations allowed at once, plus ALLOWANCE per interval; a smooth interval takes 15 to 40."""
+ALLOWANCE = 100
+
+
+@dataclass(frozen=True)
+class Defects:
+    """State reached at the end of each interval from its planned first state, minus the planned last state.
+
+    configuration, velocity: (N, n_q); NaN where the integration broke down.
+    """
+
+    configuration: Array
+    velocity: Array
+
+
+@dataclass(frozen=True)
+class Replay:
+    """Dense open-loop flight; NaN after a breakdown.
+
+    time (m,) s; configuration, velocity (m, n_q); nodes (N + 1,) positions of the plan's nodes in `time`;
+    restarts: nodes at which the flight starts again from the planned state (the sample there is the one
+    before the restart); broken_at: s, None when the whole plan was flown.
+    """
+
+    time: Array
+    configuration: Array
+    velocity: Array
+    nodes: NDArray[np.int64]
+    restarts: tuple[int, ...]
+    broken_at: float | None
+
+
+def defects(plan: Plan, plant: Plant) -> Defects:
+    """Integrate all intervals at once, each from its planned state."""
+    start = np.hstack([plan.configuration, plan.velocity])
+    left, right = _ends(plan)
+    rate = _rate(plant, np.diff(plan.time)[:, None], left, right)
+    end = _integrate(rate, start[:-1].ravel(), np.ones(1), EVALUATIONS)[0]
+    missed = end.reshape(start[1:].shape) - start[1:]
+    half = plan.configuration.shape[1]
+    return Defects(missed[:, :half], missed[:, half:])
+
+
+def replay(plan: Plan, plant: Plant, samples: int = 10, restart_seconds: float | None = None) -> Replay:
+    """Fly the inputs from the first planned state, `samples` points per interval.
+
+    With `restart_seconds` the flight starts again from the planned state at the nodes nearest to
+    its multiples: an unstable vehicle cannot be flown open loop for long.
+    """
+    planned = np.hstack([plan.configuration, plan.velocity])
+    left, right = _ends(plan)
+    step, fractions = np.diff(plan.time), np.arange(1, samples + 1) / samples
+    restarts = _restarts(plan.time, restart_seconds)
+    flown = np.full((plan.intervals * samples + 1, planned.shape[1]), np.nan)
+    flown[0] = state = planned[0]
+    budget = EVALUATIONS + ALLOWANCE * plan.intervals
+    for k in range(plan.intervals):
+        rate = _rate(plant, step[k], left[k], right[k])
+        rows = slice(k * samples + 1, (k + 1) * samples + 1)
+        flown[rows] = _integrate(rate, state, fractions, budget)
+        budget -= rate.calls
+        state = planned[k + 1] if k + 1 in restarts else flown[rows][-1]
+        if not np.isfinite(flown[rows]).all():
+            break
+    inner = plan.time[:-1, None] + step[:, None] * np.arange(samples) / samples
+    time = np.append(inner.ravel(), plan.time[-1])
+    broken = ~np.isfinite(flown).all(axis=1)
+    half = plan.configuration.shape[1]
+    broken_at = float(time[np.argmax(broken)]) if broken.any() else None
+    nodes = np.arange(plan.intervals + 1, dtype=np.int64) * samples
+    return Replay(time, flown[:, :half], flown[:, half:], nodes, restarts, broken_at)
+
+
+class _rate:  # noqa: N801  (used as a function)
+    """d[q, v]/ds over intervals of length `step` s, with inputs from `left` to `right`; counts its calls."""
+
+    def __init__(self, plant: Plant, step: Array, left: Array, right: Array) -> None:
+        self.plant, self.step, self.left, self.change, self.calls = plant, step, left, right - left, 0
+
+    def __call__(self, s: float, y: Array) -> Array:
+        self.calls += 1
+        state = y.reshape(*self.left.shape[:-1], -1)
+        half = state.shape[-1] // 2
+        q, v = state[..., :half], state[..., half:]
+        out = np.empty_like(state)
+        out[..., :half], out[..., half:] = v, self.plant.acceleration(q, v, self.left + s * self.change)
+        return (self.step * out).ravel()
+
+
+def _integrate(rate: Callable[[float, Array], Array], start: Array, fractions: Array, budget: int) -> Array:
+    """States (len(fractions), n) at increasing fractions in (0, 1]; NaN from a breakdown on."""
+    found = np.full((len(fractions), len(start)), np.nan)
+    done = 0
+    with np.errstate(all="ignore"):
+        solver = DOP853(rate, 0.0, start, 1.0, rtol=TOLERANCE, atol=TOLERANCE, first_step=1.0)
+        while solver.status == "running" and solver.nfev < budget:
+            solver.step()
+            if solver.status == "failed" or not np.max(np.abs(solver.y)) < FAR:
+                break
+            reached = int(np.searchsorted(fractions, solver.t, side="right"))
+            if reached > done:
+                found[done:reached] = solver.dense_output()(fractions[done:reached]).T
+                done = reached
+    return found
+
+
+def _ends(plan: Plan) -> tuple[Array, Array]:
+    """Inputs at the left and right end of each interval, (N, n_u): equal when they are held."""
+    return (plan.inputs, plan.inputs) if plan.interpolation == "hold" else (plan.inputs[:-1], plan.inputs[1:])
+
+
+def _restarts(time: Array, seconds: float | None) -> tuple[int, ...]:
+    if seconds is None:
+        return ()
+    marks = np.arange(seconds, time[-1], seconds)
+    nodes = np.unique(np.argmin(np.abs(time[:, None] - marks), axis=0)) if len(marks) else ()
+    return tuple(int(k) for k in nodes if 0 < k < len(time) - 1)

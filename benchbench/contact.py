@@ -1,0 +1,141 @@
+"""Interface of a contact condition, and the two ways to impose conditions on a trajectory.
+
+A contact only says *what* must hold in contact. *When* it must hold is a separate choice:
+`by_progress` leaves it to the optimiser (the paper's progress variables and complementarity), `at_nodes`
+imposes it on chosen nodes.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from benchbench.dynamics import Node, Trajectory
+from benchbench.model import Model, Plant
+from benchbench.motion import Motion, motion_state
+from benchbench.mpcc import Block, Mpcc, Pair, Variable, rows
+from benchbench.plan import Array
+
+
+@dataclass(frozen=True)
+class Target:
+    """Symbolic state of the target at a node: position (3,) m and velocity (3,) m/s."""
+
+    position: ca.SX
+    velocity: ca.SX
+
+
+@dataclass(frozen=True)
+class Condition:
+    """h (m,) <= 0, scaled as h = (gap / limit)^2 - 1; `limit` (m,) in `unit`, or None for another form."""
+
+    h: ca.SX
+    unit: str
+    limit: tuple[float, ...] | None = None
+
+
+class Contact(ABC):
+    """One physical condition of a contact, written against any dynamics.
+
+    Said twice on purpose: `condition` in symbols for planners, `gap` in numbers for the certificate.
+    """
+
+    limit: float
+    """Largest physical gap allowed in contact, in `unit`."""
+    unit: str
+    always: bool = False
+    """A path condition, kept at every node and not only in contact."""
+
+    @abstractmethod
+    def condition(self, model: Model, node: Node, target: Target) -> Condition:
+        """Return the scaled condition at a node."""
+
+    @abstractmethod
+    def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
+        """Return the physical gap (n,) in `unit` for q, v (n, n_q) and target states (n, 3)."""
+
+
+Contacts = Mapping[str, Contact]
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Contacts of one event, bound to a model, a target motion and a transcription."""
+
+    contacts: Contacts
+    model: Model
+    motion: Motion
+    trajectory: Trajectory
+
+    def by_progress(self, kappa_init: int) -> Mpcc:
+        """Progress variables and vanishing pairs: epsilon_k > 0 only where every condition holds.
+
+        kappa_0 = kappa_init, kappa_N = 0, epsilon_k = kappa_k - kappa_{k+1} in [0, 1] (paper Eq. 26);
+        epsilon is substituted, so the only new unknowns are kappa (N + 1,).
+        """
+        n = self.trajectory.grid.intervals
+        fixed = np.full((n + 1, 1), np.nan)
+        fixed[0], fixed[-1] = kappa_init, 0.0
+        free = np.isnan(fixed)
+        guess = np.linspace(kappa_init, 0.0, n + 1)[:, None]
+        kappa = Variable(
+            "kappa", np.where(free, 0.0, fixed), np.where(free, float(kappa_init), fixed), guess, "1"
+        )
+        z, p, s = ca.SX.sym("z", 2), ca.SX.sym("p", 0), ca.SX.sym("sigma")
+        nodes = range(n)
+        step = (rows("kappa", 1, nodes), rows("kappa", 1, range(1, n + 1)))
+        progress = Block(
+            "progress", ca.Function("progress", [z, p, s], [z[0] - z[1]]), step,
+            np.zeros((n, 0)), np.zeros((n, 1)), np.ones((n, 1)), "1",
+        )  # fmt: skip
+        pairs = []
+        for name, condition, block in self._blocks(nodes, always=False):
+            inner = block.function
+            w, q = ca.SX.sym("z", 2 + inner.size1_in(0)), ca.SX.sym("p", inner.size1_in(1))
+            h = inner(w[2:], q, s)
+            g = ca.repmat(w[0] - w[1], h.shape[0], 1)
+            both = ca.Function(f"pair_{name}", [w, q, s], [ca.vertcat(g, h)])
+            none = np.zeros((n, 2 * h.shape[0]))
+            paired = Block(name, both, step + block.slots, block.parameters, none, none, condition.unit)
+            pairs.append(Pair(paired, "vanishing", condition.limit, sign_known=True))
+        return Mpcc((kappa,), (progress,), (), tuple(pairs)) + self.always()
+
+    def at_nodes(self, nodes: Sequence[int]) -> Mpcc:
+        """Impose every condition at the given nodes: no progress variables, no complementarity."""
+        return Mpcc((), tuple(block for _, _, block in self._blocks(nodes, always=False))) + self.always()
+
+    def always(self) -> Mpcc:
+        """Impose the conditions that hold at every node, in contact or not."""
+        nodes = range(self.trajectory.grid.intervals)
+        return Mpcc((), tuple(block for _, _, block in self._blocks(nodes, always=True)))
+
+    def _blocks(self, nodes: Sequence[int], always: bool) -> list[tuple[str, Condition, Block]]:
+        node = self.trajectory.node
+        p = ca.SX.sym("p", node.p.shape[0] + len(self.motion.parameters))
+        position, velocity = motion_state(self.motion, node.time, p[node.p.shape[0] :])
+        found = []
+        for name, contact in self.contacts.items():
+            if contact.always != always:
+                continue
+            condition = contact.condition(self.model, node, Target(position, velocity))
+            h = ca.substitute(condition.h, node.p, p[: node.p.shape[0]])
+            function = ca.Function(f"contact_{name}", [node.z, p, ca.SX.sym("sigma")], [h])
+            m = len(nodes)
+            numbers = np.hstack([self.trajectory.parameters(nodes), np.tile(self.motion.parameters, (m, 1))])
+            shape = (m, h.shape[0])
+            block = Block(
+                name, function, self.trajectory.slots(nodes), numbers,
+                np.full(shape, -np.inf), np.zeros(shape), condition.unit,
+            )  # fmt: skip
+            found.append((name, condition, block))
+        return found
+
+
+def progress_index(kappa: Array) -> Array:
+    """Return epsilon (N + 1,) from kappa (N + 1,); the last node gets 0 (paper Eq. 26)."""
+    kappa = np.asarray(kappa).ravel()
+    return np.append(kappa[:-1] - kappa[1:], 0.0)

@@ -1,0 +1,115 @@
+"""Interfaces for a vehicle: the symbolic `Model` that planners use, the numeric `Plant` that judges.
+
+The two are written apart on purpose. A dynamics plugin only sees the `Model`; the certificate only sees
+the `Plant`, so that an error in one is found by the other.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+
+from benchbench.plan import Array
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """Names, units and limits of generalised coordinates or inputs; all arrays have shape (n,)."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    lower: Array
+    upper: Array
+
+    def index(self, name: str) -> int:
+        """Position of a coordinate by name."""
+        return self.names.index(name)
+
+
+class Model(ABC):
+    """A vehicle as a planner sees it: a Lagrangian system with generalised forces.
+
+    Symbols are CasADi SX columns: q (n_q), v = dq/dt (n_q), u (n_u). SI units, angles in rad.
+    """
+
+    name: str
+
+    @property
+    @abstractmethod
+    def configuration(self) -> Coordinates:
+        """Generalised coordinates q and their limits."""
+
+    @property
+    @abstractmethod
+    def velocity(self) -> Coordinates:
+        """Nodal velocities v and their limits."""
+
+    @property
+    @abstractmethod
+    def inputs(self) -> Coordinates:
+        """Inputs u and their limits."""
+
+    @abstractmethod
+    def lagrangian(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        """Return the scalar L(q, v) = K - V in joules."""
+
+    @abstractmethod
+    def force(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
+        """Return the generalised force Q(q, v, u), shape (n_q,), by virtual work."""
+
+    @abstractmethod
+    def tool(self, q: ca.SX) -> ca.SX:
+        """Return the position of the point that makes contact (end effector), world frame, (3,) m."""
+
+    @abstractmethod
+    def nose(self, q: ca.SX) -> ca.SX:
+        """Return the body x axis in the world frame, (3,), the direction whose heading counts."""
+
+    @abstractmethod
+    def hover(self) -> Array:
+        """Return the input u_ref that keeps the vehicle at rest, shape (n_u,)."""
+
+    @abstractmethod
+    def plant(self) -> Plant:
+        """Return the independent numeric model that the certificate replays plans on."""
+
+
+class Plant(ABC):
+    """A vehicle as a judge sees it: numbers only, no CasADi, batched over leading axes."""
+
+    @abstractmethod
+    def acceleration(self, q: Array, v: Array, u: Array) -> Array:
+        """Return d2q/dt2 for q (..., n_q), v (..., n_q), u (..., n_u); shape (..., n_q)."""
+
+    @abstractmethod
+    def tool(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return position (..., 3) m and velocity (..., 3) m/s of the end effector."""
+
+    @abstractmethod
+    def nose(self, q: Array) -> Array:
+        """Return the body x axis in the world frame, shape (..., 3)."""
+
+    @abstractmethod
+    def skeleton(self, q: Array) -> dict[str, Array]:
+        """Return named polylines to draw, each (points, 3) m, for one configuration q (n_q,)."""
+
+
+def mass_matrix(model: Model, q: ca.SX, v: ca.SX) -> ca.SX:
+    """Return M(q) = d2L/dv2, shape (n_q, n_q)."""
+    return ca.hessian(model.lagrangian(q, v), v)[0]
+
+
+def acceleration(model: Model, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
+    """Return d2q/dt2 from the Euler-Lagrange equations d/dt dL/dv - dL/dq = Q (paper Eq. 13-14)."""
+    lagrangian = model.lagrangian(q, v)
+    momentum = ca.gradient(lagrangian, v)
+    bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q)
+    return ca.solve(mass_matrix(model, q, v), model.force(q, v, u) - bias)
+
+
+def box(names: tuple[str, ...], units: tuple[str, ...], lower: Array, upper: Array) -> Coordinates:
+    """Build `Coordinates` from plain sequences."""
+    return Coordinates(names, units, np.asarray(lower, float), np.asarray(upper, float))

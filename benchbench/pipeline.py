@@ -1,0 +1,104 @@
+"""The whole run, one line per stage: case -> plan -> certificate -> record -> files. Read this first."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from benchbench.case import Case, Ledger, Watch
+from benchbench.certificate.bound import lower_bound
+from benchbench.certificate.certificate import Certificate
+from benchbench.certificate.certify import certify
+from benchbench.certificate.residuals import residuals
+from benchbench.solver import Claim
+from benchbench.storage import provenance
+from benchbench.storage.schema import Status, make_record
+from benchbench.strategy import Result
+from benchbench.validate import validate
+
+STATUS: dict[Claim, Status] = {
+    "solved": Status.UNCERTIFIED,
+    "infeasible": Status.INFEASIBLE,
+    "iteration_limit": Status.ITERATION_LIMIT,
+    "time_limit": Status.TIME_LIMIT,
+}
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one run found: the plan and its claimed solution, the judgement, the row of the table."""
+
+    case: Case
+    result: Result
+    certificate: Certificate
+    record: dict[str, Any]
+
+
+def run(case: Case, watch: Watch | None = None, labels: Mapping[str, Any] | None = None) -> Run:
+    """Plan, judge, record; raises BadInput for a case that cannot work. `labels` are ready record columns."""
+    before = provenance.collect()
+    began = time.perf_counter()
+    validate(case)
+    ledger = Ledger(case.time_limit, case.iteration_limit, watch)
+    result = case.strategy.solve(case, ledger)
+    judged = time.process_time()
+    found = residuals(result.problem.mpcc, result.solved.x)
+    certificate = certify(result.plan, case.scenario, case.model, case.limits, found)
+    bound = lower_bound(case.scenario, case.model, case.model.plant())
+    costs = {"certificate_cpu_s": time.process_time() - judged, "wall_s": time.perf_counter() - began}
+    record = _record(case, result, certificate, ledger, {**before, **costs, "lower_bound_s": bound, **(labels or {})})
+    return Run(case, result, certificate, record)
+
+
+def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
+    """Write record, recording and picture into `folder` and the row into `table`; returns the paths.
+
+    `config` is the composed configuration as YAML. Raises BadInput("output", ...) when the disk refuses.
+    """
+    from benchbench.report.picture import draw
+    from benchbench.storage.files import write_bytes, write_record
+    from benchbench.storage.recording import write_mcap
+    from benchbench.storage.table import append
+
+    paths = {"config": folder / "config.yaml", "plan": folder / "plan.mcap", "picture": folder / "plan.png"}
+    case, plan, flight = done.case, done.result.plan, done.certificate.flight
+    write_bytes(paths["config"], config.encode())
+    paths["record"] = write_record(folder, done.record)
+    paths["table"] = append(done.record, table).parent
+    write_mcap(paths["plan"], plan, flight, case.scenario, case.model, {"config": config})
+    title = f"{case.names['scenario']}, {case.names['dynamics']}, N = {plan.intervals}, {case.names['strategy']}"
+    verdict = "certified" if done.certificate.certified else f"NOT certified: {done.certificate.reasons[0]}"
+    draw(paths["picture"], plan, case.scenario, case.model, flight, title, verdict)
+    return paths
+
+
+def _record(
+    case: Case, result: Result, certificate: Certificate, ledger: Ledger, more: Mapping[str, Any]
+) -> dict[str, Any]:
+    outcome, mpcc = result.solved.outcome, result.problem.mpcc
+    status = Status.CERTIFIED if certificate.certified else STATUS.get(outcome.claim, Status.ERROR)
+    return make_record(
+        status=status,
+        claimed_success=outcome.claim == "solved",
+        **certificate.record(),
+        **{family: name for family, name in case.names.items() if family != "certificate"},
+        intervals=result.plan.intervals,
+        kappa_init=case.scenario.kappa_init,
+        seed=case.seed,
+        travel_time_s=result.plan.travel_time,
+        objective=outcome.objective,
+        iterations=ledger.iterations,
+        evaluations=ledger.evaluations,
+        build_cpu_s=ledger.build_cpu,
+        solve_cpu_s=ledger.solve_cpu,
+        n_variables=mpcc.size,
+        n_constraints=sum(b.lower.size for b in mpcc.constraints),
+        n_pairs=sum(p.count for p in mpcc.pairs),
+        mpcc_hash=mpcc.digest,
+        peak_memory_mb=provenance.peak_memory_mb(),
+        solver_version=case.solver.version(),
+        **more,
+    )

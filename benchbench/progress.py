@@ -1,0 +1,54 @@
+"""Live progress of a run on a terminal: one line with the stage, iteration, travel time and violation."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import Self, final
+
+from rich.console import Console
+from rich.progress import Progress as Bar
+from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
+
+from benchbench.case import Watch
+from benchbench.plan import Array
+from benchbench.solver import Progress
+
+
+@final
+class LiveLine(Watch):
+    """A context that shows the running solve on stderr; silent when stderr is not a terminal."""
+
+    def __init__(self) -> None:
+        """Set up the line without showing it."""
+        self._console = Console(stderr=True)
+        self._bar = Bar(
+            SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn(),
+            console=self._console, transient=True,
+        )  # fmt: skip
+        self._task = self._bar.add_task("preparing")
+
+    def __enter__(self) -> Self:
+        """Start showing."""
+        if self._console.is_terminal:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Remove the line."""
+        self._bar.stop()
+
+    def stage(self, name: str, shape: tuple[int, int] | None) -> Progress | None:
+        """Name the stage; no callback at all when nobody looks."""
+        if not self._console.is_terminal:
+            return None
+        self._bar.update(self._task, description=name)
+
+        def show(iteration: int, x: Array, violation: float) -> None:
+            text = f"{name:<16} iteration {iteration:4d}"
+            if shape is not None:
+                text += f"   travel time {x[shape[0] : shape[0] + shape[1]].sum():7.4f} s"
+            self._bar.update(self._task, description=f"{text}   violation {violation:8.1e}")
+
+        return show

@@ -1,0 +1,105 @@
+"""Which quantities are plotted over time: everything that is limited, grouped by unit and size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from benchbench.certificate.replay import Replay
+from benchbench.model import Coordinates, Model
+from benchbench.motion import sample
+from benchbench.plan import Array, Plan
+from benchbench.report.contact_window import contact_windows
+from benchbench.report.panel import Curve, Panel, Points
+from benchbench.scenario import Scenario
+
+GAPS = {"position": "Distance to target", "velocity": "Relative speed", "heading": "Heading error"}
+QUANTITIES = {
+    "m": "Position",
+    "rad": "Angle",
+    "m/s": "Velocity",
+    "rad/s": "Angular rate",
+    "N": "Force",
+    "N m": "Torque",
+}
+
+
+def contact_panels(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -> list[Panel]:
+    """One panel per contact condition: its physical gap and limit."""
+    panels = []
+    for name, contact in scenario.contacts.items():
+
+        def gap(times: Array, q: Array, v: Array) -> Points:
+            target = sample(scenario.target, times)
+            return times, contact.gap(model.plant(), q, v, *target)  # noqa: B023 (called in this iteration)
+
+        dots = gap(plan.time, plan.configuration, plan.velocity)
+        line = dots if replay is None else gap(replay.time, replay.configuration, replay.velocity)
+        curve = Curve(name, dots, line, -np.inf, contact.limit)
+        note = _worst_in_contact(plan, line)
+        panels.append(Panel(GAPS.get(name, f"Gap of {name}"), contact.unit, (curve,), True, note))
+    return panels
+
+
+def _worst_in_contact(plan: Plan, gap: Points) -> str:
+    times, values = gap
+    windows = contact_windows(plan)
+    inside = [values[(times >= plan.time[a]) & (times <= plan.time[b])] for a, b in windows]
+    return f"in contact up to {np.max(np.concatenate(inside), initial=0.0):.3g}" if windows else "no contact"
+
+
+def limit_panels(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -> list[Panel]:
+    """Panels of velocities, coordinates and inputs that have a limit."""
+    flown_v = None if replay is None else (replay.time, replay.velocity)
+    flown_q = None if replay is None else (replay.time, replay.configuration)
+    rates = _state_curves(plan.time, plan.velocity, model.velocity, flown_v)
+    states = _state_curves(plan.time, plan.configuration, scenario.limits(model), flown_q)
+    inputs = _input_curves(plan, model.inputs)
+    return [panel for curves in (rates, states, inputs) for panel in _panels(list(curves))]
+
+
+def _state_curves(
+    time: Array, values: Array, limits: Coordinates, dense: tuple[Array, Array] | None
+) -> Iterator[tuple[str, Curve]]:
+    for i, (name, unit) in enumerate(zip(limits.names, limits.units, strict=True)):
+        dots = (time, values[:, i])
+        line = dots if dense is None else (dense[0], dense[1][:, i])
+        yield unit, Curve(name, dots, line, float(limits.lower[i]), float(limits.upper[i]))
+
+
+def _input_curves(plan: Plan, limits: Coordinates) -> Iterator[tuple[str, Curve]]:
+    for i, (name, unit) in enumerate(zip(limits.names, limits.units, strict=True)):
+        line = (plan.time, plan.inputs[:, i])
+        if plan.interpolation == "hold":
+            line = (np.repeat(plan.time, 2)[1:-1], np.repeat(plan.inputs[:, i], 2))
+        yield unit, Curve(name, None, line, float(limits.lower[i]), float(limits.upper[i]))
+
+
+def _panels(curves: list[tuple[str, Curve]]) -> list[Panel]:
+    """Group limited curves of one unit whose limits are of similar size."""
+    groups: list[tuple[str, list[Curve]]] = []
+    for unit, curve in curves:
+        if not (np.isfinite(curve.lower) or np.isfinite(curve.upper)):
+            continue
+        fitting = (group for other, group in groups if other == unit and _similar(group[0], curve))
+        found = next(fitting, None)
+        if found is None:
+            groups.append((unit, [curve]))
+        else:
+            found.append(curve)
+    return [Panel(_title(unit, group), unit, tuple(group)) for unit, group in groups]
+
+
+def _similar(a: Curve, b: Curve) -> bool:
+    """Whether two ranges can share an axis: widths within a factor 2, middles within half a width."""
+    width_a, width_b = a.upper - a.lower, b.upper - b.lower
+    if not np.isfinite(width_a + width_b):
+        return False
+    apart = abs((a.upper + a.lower) - (b.upper + b.lower)) / 2
+    return max(width_a, width_b) <= 2 * min(width_a, width_b) and apart <= min(width_a, width_b) / 2
+
+
+def _title(unit: str, curves: list[Curve]) -> str:
+    quantity = QUANTITIES.get(unit, "Value")
+    return f"{quantity} of {curves[0].label}" if len(curves) == 1 else quantity

@@ -1,0 +1,116 @@
+"""One small plot over time: planned nodes as dots, replay as a line, limits dashed, contact shaded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.offsetbox import AnchoredOffsetbox, HPacker, TextArea
+
+from benchbench.plan import Array
+from benchbench.report.style import CONTACT, CURVES, INK, LIMIT
+
+Points = tuple[Array, Array]
+"""Times (n,) in s and values (n,)."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One quantity: what is planned at nodes (dots), how it runs in between (line), its limits (may be infinite)."""
+
+    label: str
+    dots: Points | None
+    line: Points
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Curves of one unit; `logarithmic` for gaps, which matter most where they are small; a `note` at the right."""
+
+    title: str
+    unit: str
+    curves: tuple[Curve, ...]
+    logarithmic: bool = False
+    note: str = ""
+
+
+def draw_panel(axes: Axes, panel: Panel, windows: Sequence[tuple[float, float]], travel_time: float) -> None:
+    """Draw a panel; `windows` are the times (s) in contact."""
+    axes.set_title(f"{panel.title}  [{panel.unit}]")
+    shade(axes, windows)
+    for curve, color in zip(panel.curves, _colors(panel), strict=True):
+        axes.plot(*curve.line, color=color, linewidth=1.1, zorder=3)
+        if curve.dots is not None:
+            size = np.clip(150 / len(curve.dots[0]), 2.5, 5.5)
+            axes.plot(*curve.dots, ".", color=color, markersize=size, markeredgewidth=0, zorder=3)
+    _draw_limits(axes, panel)
+    _label_curves(axes, panel)
+    axes.set_xlim(0.0, travel_time)
+    _zoom(axes, panel)
+
+
+def shade(axes: Axes, windows: Sequence[tuple[float, float]]) -> None:
+    """Mark the contact windows; the edge keeps very short ones visible."""
+    for start, end in windows:
+        axes.axvspan(start, end, facecolor=CONTACT, edgecolor=CONTACT, linewidth=1.6, alpha=0.35, zorder=1)
+
+
+def _colors(panel: Panel) -> list[str]:
+    return [CURVES[i % len(CURVES)] for i in range(len(panel.curves))]
+
+
+def _draw_limits(axes: Axes, panel: Panel) -> None:
+    """One grey line where all curves share a limit, lines in the colours of the curves where they differ."""
+    limits = [(curve.lower, curve.upper) for curve in panel.curves]
+    shared = len(set(limits)) == 1
+    for pair, color in zip(limits, _colors(panel), strict=True):
+        for limit in filter(np.isfinite, pair):
+            axes.axhline(
+                limit, color=LIMIT if shared else color, linewidth=1.1, linestyle=(0, (4, 3)), zorder=2
+            )
+        if shared:
+            return
+
+
+def _label_curves(axes: Axes, panel: Panel) -> None:
+    """Names in the colours of their curves (or the note), above the plot, where they hide nothing."""
+    labels = [
+        (curve.label.replace("_", " "), color)
+        for curve, color in zip(panel.curves, _colors(panel), strict=True)
+    ]
+    if len(labels) == 1:
+        labels = [(panel.note, INK)]
+    texts: list[Artist] = [
+        TextArea(text, textprops={"color": color, "fontsize": 8}) for text, color in labels
+    ]
+    row = HPacker(children=texts, align="baseline", pad=0, sep=6)
+    box = AnchoredOffsetbox(
+        "lower right", child=row, pad=0.25, borderpad=0.1, frameon=False,
+        bbox_to_anchor=(1.0, 1.0), bbox_transform=axes.transAxes,
+    )  # fmt: skip
+    axes.add_artist(box)
+
+
+def _zoom(axes: Axes, panel: Panel) -> None:
+    """Show plan and limits whole; a replay that runs away may leave the plot."""
+    planned = np.concatenate([(curve.dots or curve.line)[1] for curve in panel.curves])
+    limits = [limit for curve in panel.curves for limit in (curve.lower, curve.upper)]
+    shown = np.concatenate([planned, limits])
+    low, high = np.min(shown[np.isfinite(shown)]), np.max(shown[np.isfinite(shown)])
+    if panel.logarithmic:  # zeros stay at the lower edge
+        axes.set_ylim(min(curve.upper for curve in panel.curves) / 20, 2 * high)
+        axes.set_yscale("log", nonpositive="clip")
+        return
+    replayed = np.clip(np.concatenate([curve.line[1] for curve in panel.curves]), *_stretch(low, high, 0.3))
+    low, high = np.nanmin([low, *replayed]), np.nanmax([high, *replayed])
+    axes.set_ylim(_stretch(low, high, 0.08))
+
+
+def _stretch(low: float, high: float, share: float) -> tuple[float, float]:
+    more = share * (high - low) or 1.0
+    return low - more, high + more

@@ -1,0 +1,176 @@
+"""The picture of a plan: one page with the motion in space and everything that is limited over time."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from benchbench.certificate.replay import Replay
+from benchbench.model import Model
+from benchbench.plan import Plan
+from benchbench.report.contact_window import contact_windows
+from benchbench.report.limits_panel import contact_panels, limit_panels
+from benchbench.report.panel import Panel, draw_panel
+from benchbench.report.style import BAD, CONTACT, GOOD, INK, LIMIT, RC
+from benchbench.report.views import Scene, draw_view, label_times, legend_handles, scene
+from benchbench.scenario import Scenario
+from benchbench.storage.files import replacing
+
+WIDTH_IN, DPI = 14.0, 150
+HEADER_IN, ROW_IN = 1.15, 1.75
+VIEW_SHARE = 0.6
+"""Width of the views without their labels, as a share of the page."""
+COLUMNS = 4
+
+
+@dataclass(frozen=True)
+class Page:
+    """Everything on the page, worked out before anything is drawn."""
+
+    scene: Scene
+    contacts: list[Panel]
+    limits: list[Panel]
+    windows: list[tuple[float, float]]
+    title: str
+    subtitle: str
+    verdict: str
+
+
+def draw(
+    path: Path,
+    plan: Plan,
+    scenario: Scenario,
+    model: Model,
+    replay: Replay | None,
+    title: str,
+    verdict: str,
+) -> None:
+    """Write the picture of a plan as PNG, 2100 px wide.
+
+    replay   the inputs on the plant, on a dense grid; None draws the plan alone
+    title    what was run, for example scenario and solver
+    verdict  "certified", or "NOT certified: <first reason>"
+    Raises BadInput("output", ...) when the file system refuses.
+    """
+    sheet = page(plan, scenario, model, replay, title, verdict)
+    with mpl.rc_context(RC), replacing(path) as temporary:
+        compose(sheet, replay is not None).savefig(temporary, format="png", dpi=DPI)
+
+
+def page(
+    plan: Plan, scenario: Scenario, model: Model, replay: Replay | None, title: str, verdict: str
+) -> Page:
+    """Work out what the page shows."""
+    times = [(float(plan.time[a]), float(plan.time[b])) for a, b in contact_windows(plan)]
+    return Page(
+        scene(plan, scenario, model, replay),
+        contact_panels(plan, scenario, model, replay),
+        limit_panels(plan, scenario, model, replay),
+        times,
+        title,
+        _subtitle(plan, scenario, times),
+        verdict,
+    )
+
+
+def _subtitle(plan: Plan, scenario: Scenario, windows: Sequence[tuple[float, float]]) -> str:
+    contact = ", ".join(f"{start:.3f} to {end:.3f} s" for start, end in windows[:3]) or "none claimed"
+    more = f" and {len(windows) - 3} more" if len(windows) > 3 else ""
+    return (
+        f"{scenario.name}:  travel time {plan.travel_time:.3f} s   |   contact {contact}{more}"
+        f"   |   N = {plan.intervals} intervals"
+    )
+
+
+def compose(page: Page, replayed: bool) -> Figure:
+    """Lay the page out; `replayed` says what the lines between the nodes are."""
+    rows = ceil(len(page.limits) / COLUMNS)
+    views = max(sum(_view_heights(page.scene)), ROW_IN * len(page.contacts))
+    heights = [HEADER_IN, views, ROW_IN * rows]
+    layout = ConstrainedLayoutEngine(w_pad=0.09, h_pad=0.05)
+    figure = Figure(figsize=(WIDTH_IN, sum(heights)), layout=layout, facecolor="white")
+    header, top, bottom = figure.subfigures(3, 1, height_ratios=heights, squeeze=False)[:, 0]
+    left, right = top.subfigures(1, 2, width_ratios=[2, 1], squeeze=False)[0]
+    _header(header, page, replayed)
+    _views(left, page.scene)
+    _contact_column(right, page)
+    _limit_grid(bottom, page, rows)
+    return figure
+
+
+def _header(figure: SubFigure, page: Page, replayed: bool) -> None:
+    color = GOOD if page.verdict == "certified" else BAD
+    verdict = "\n".join(textwrap.wrap(page.verdict, 60, max_lines=2, placeholder=" ..."))
+    title = textwrap.shorten(page.title, 56, placeholder=" ...")
+    figure.text(0.008, 0.90, title, fontsize=17, fontweight="bold", va="top")
+    figure.text(0.008, 0.54, page.subtitle, fontsize=11, va="top", color=INK)
+    figure.text(
+        0.988,
+        0.88,
+        verdict,
+        fontsize=12,
+        fontweight="bold",
+        va="top",
+        ha="right",
+        color="white",
+        bbox={"boxstyle": "round,pad=0.45", "facecolor": color, "edgecolor": "none"},
+    )
+    between = "replay of the inputs" if replayed else "plan"
+    keys = [
+        *legend_handles(),
+        Line2D([], [], color=INK, marker=".", linestyle="", label="planned nodes"),
+        Line2D([], [], color=INK, linewidth=1.1, label=between),
+        Line2D([], [], color=LIMIT, linewidth=1.1, linestyle=(0, (4, 3)), label="limit"),
+        Patch(facecolor=CONTACT, alpha=0.4, label="contact"),
+    ]
+    figure.legend(
+        handles=keys, loc="lower left", ncols=len(keys), frameon=False, fontsize=9, columnspacing=1.8
+    )
+
+
+def _views(figure: SubFigure, scene: Scene) -> None:
+    heights = _view_heights(scene)
+    axes = figure.subplots(len(heights), 1, squeeze=False, sharex=True, height_ratios=heights)[:, 0]
+    draw_view(axes[0], scene, (0, 2), "Side view")
+    label_times(axes[0], scene, (0, 2))
+    if scene.sideways:
+        draw_view(axes[1], scene, (0, 1), "Top view")
+
+
+def _view_heights(scene: Scene) -> list[float]:
+    """Heights (in) that give the side view, and the top view if there is one, the scale of the width."""
+    x, y, z = scene.extent
+    labels = 0.75
+    scale = WIDTH_IN * VIEW_SHARE / max(x, 1.2 * y, 1.2 * z)
+    return [scale * z + labels, scale * y + labels] if scene.sideways else [scale * z + labels]
+
+
+def _contact_column(figure: SubFigure, page: Page) -> None:
+    _grid(figure, page.contacts, page, len(page.contacts), 1)
+
+
+def _limit_grid(figure: SubFigure, page: Page, rows: int) -> None:
+    _grid(figure, page.limits, page, rows, COLUMNS)
+
+
+def _grid(figure: SubFigure, panels: list[Panel], page: Page, rows: int, columns: int) -> None:
+    """Fill a grid of panels row by row; the last one of each column carries the time axis label."""
+    if not panels:
+        return
+    cells = figure.subplots(rows, columns, squeeze=False).ravel()
+    for i, axes in enumerate(cells):
+        if i >= len(panels):
+            axes.set_axis_off()
+            continue
+        draw_panel(axes, panels[i], page.windows, page.scene.plan.travel_time)
+        if i + columns >= len(panels):
+            axes.set_xlabel("time [s]")

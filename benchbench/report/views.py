@@ -1,0 +1,150 @@
+"""The vehicle in space: side view x-z and top view x-y, as in the paper's Fig. 8 and 10."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from benchbench.certificate.replay import Replay
+from benchbench.model import Model
+from benchbench.motion import sample
+from benchbench.plan import Array, Plan
+from benchbench.report.contact_window import contact_windows
+from benchbench.report.style import ARM, CONTACT, FRAME, INK, TARGET, TOOL
+from benchbench.scenario import Scenario
+
+POSES = 16
+"""How many poses are drawn besides start, end and contact."""
+
+FLAT_M = 0.02
+"""Sideways motion (m) below which a plan is drawn in the x-z plane only."""
+
+
+LABEL_M = 0.17
+"""About half the width (m) of a time label."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A plan with what the views need: end effector and target at the nodes, each (N + 1, 3) m,
+    and the end effector on the replay (m, 3) m."""
+
+    plan: Plan
+    model: Model
+    tool: Array
+    target: Array
+    flown: Array | None
+
+    @property
+    def sideways(self) -> bool:
+        """Whether anything moves in y."""
+        return bool(max(np.ptp(self.tool[:, 1]), np.ptp(self.target[:, 1])) > FLAT_M)
+
+    @property
+    def extent(self) -> Array:
+        """Size (3,) m of all that is drawn, with room for labels."""
+        drawn = [self.tool, self.target]
+        drawn += [line for k in self.pose_nodes for line in skeleton(self, k).values()]
+        return np.asarray(np.ptp(np.concatenate(drawn), axis=0) * (1.06, 1.15, 1.35) + 1e-3)
+
+    @property
+    def contact_nodes(self) -> list[int]:
+        """All nodes claimed to be in contact."""
+        return [k for first, last in contact_windows(self.plan) for k in range(first, last + 1)]
+
+    @property
+    def pose_nodes(self) -> list[int]:
+        """Nodes at about equal times at which the vehicle is drawn, those beside a contact left out."""
+        times = np.linspace(0.0, self.plan.travel_time, POSES + 2)
+        nodes = np.unique(np.abs(self.plan.time[None, :] - times[:, None]).argmin(axis=1))
+        apart = times[1] / 2
+        contact = self.plan.time[self.contact_nodes]
+        return [int(k) for k in nodes if np.all(np.abs(contact - self.plan.time[k]) > apart)]
+
+
+def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -> Scene:
+    """Evaluate what the views draw."""
+    plant = model.plant()
+    tool, _ = plant.tool(plan.configuration, plan.velocity)
+    flown = None if replay is None else plant.tool(replay.configuration, replay.velocity)[0]
+    return Scene(plan, model, tool, sample(scenario.target, plan.time)[0], flown)
+
+
+def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> None:
+    """Draw one projection; `plane` are the two world axes, 0 for x, 1 for y, 2 for z."""
+    h, v = plane
+    axes.set_title(title)
+    axes.plot(scene.target[:, h], scene.target[:, v], color=TARGET, linewidth=1.4, zorder=2)
+    axes.plot(scene.tool[:, h], scene.tool[:, v], color=TOOL, linewidth=1.8, zorder=2)
+    if scene.flown is not None:
+        # An artist, unlike a plot, leaves the axis limits alone: a replay that runs away must not set the scale.
+        axes.add_artist(Line2D(scene.flown[:, h], scene.flown[:, v], color=INK, linewidth=0.7, zorder=3))
+    for node in scene.pose_nodes:
+        _draw_pose(axes, scene, node, plane, strong=False)
+    for node in scene.contact_nodes:
+        _draw_pose(axes, scene, node, plane, strong=True)
+    _draw_target(axes, scene, plane)
+    axes.set_xlabel(f"{'xyz'[h]} [m]")
+    axes.set_ylabel(f"{'xyz'[v]} [m]")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.margins(0.03, 0.12)
+
+
+def label_times(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
+    """Write the time at start, contact and end above all poses drawn there."""
+    h, v = plane
+    first_contacts = [first for first, _ in contact_windows(scene.plan)]
+    ends = [0, scene.plan.intervals]
+    nodes = [*ends, *scene.pose_nodes, *scene.contact_nodes]
+    drawn = np.concatenate([line for k in nodes for line in skeleton(scene, k).values()])
+    for node in dict.fromkeys([*first_contacts, *ends]):
+        place = np.concatenate(list(skeleton(scene, node).values())).mean(axis=0)[h]
+        below = drawn[np.abs(drawn[:, h] - place) < LABEL_M]
+        contact = node in first_contacts
+        axes.annotate(
+            f"{'contact ' if contact else ''}{scene.plan.time[node]:.2f} s",
+            (place, below[:, v].max()),
+            xytext=(0, 6), textcoords="offset points", ha="center", va="bottom",
+            fontsize=9, fontweight="bold" if contact else "normal", color=INK, zorder=8,
+        )  # fmt: skip
+
+
+def legend_handles() -> list[Line2D]:
+    """Keys of what the views show."""
+    return [
+        Line2D([], [], color=FRAME, linewidth=2.2, label="vehicle"),
+        Line2D([], [], color=ARM, linewidth=2.2, label="arm"),
+        Line2D([], [], color=TOOL, linewidth=1.2, marker="o", markersize=5, label="end effector"),
+        Line2D([], [], color=TARGET, linewidth=1.4, marker="s", markersize=5, label="target"),
+    ]
+
+
+def skeleton(scene: Scene, node: int) -> dict[str, Array]:
+    """Lines of the vehicle at a node."""
+    return scene.model.plant().skeleton(scene.plan.configuration[node])
+
+
+def _draw_pose(axes: Axes, scene: Scene, node: int, plane: tuple[int, int], strong: bool) -> None:
+    h, v = plane
+    alpha, width, order = (1.0, 2.6, 6) if strong else (0.5, 1.4, 4)
+    for name, points in skeleton(scene, node).items():
+        color = ARM if "arm" in name else FRAME
+        axes.plot(points[:, h], points[:, v], color=color, linewidth=width, alpha=alpha, zorder=order)
+    tool = scene.tool[node]
+    axes.plot(
+        tool[h], tool[v], "o", color=TOOL, markersize=6 if strong else 4,
+        markeredgecolor="white", markeredgewidth=0.5, alpha=1.0 if strong else 0.8, zorder=order + 1,
+    )  # fmt: skip
+
+
+def _draw_target(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
+    """Small squares where the target is when a pose is drawn, large ones at contact."""
+    for nodes, size, alpha in ((scene.pose_nodes, 4.0, 0.5), (scene.contact_nodes, 9.0, 1.0)):
+        h, v = (scene.target[nodes, axis] for axis in plane)
+        axes.plot(h, v, "s", color=TARGET, markersize=size, alpha=alpha, markeredgewidth=0, zorder=5)
+    if scene.contact_nodes:
+        h, v = (scene.target[scene.contact_nodes, axis].mean() for axis in plane)
+        axes.plot(h, v, "o", color=CONTACT, markersize=30, alpha=0.3, markeredgewidth=0, zorder=1)

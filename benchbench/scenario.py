@@ -1,0 +1,102 @@
+"""A scenario: the task, told without any solver, transcription or relaxation."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, InstanceOf, model_validator
+
+from benchbench.contact import Contact
+from benchbench.errors import BadInput
+from benchbench.model import Coordinates, Model
+from benchbench.motion import Motion
+from benchbench.plan import Array
+
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def _increasing(pair: tuple[float, float]) -> tuple[float, float]:
+    if not pair[0] <= pair[1]:
+        raise ValueError("the first number must not exceed the second")
+    return pair
+
+
+Range = Annotated[tuple[float, float], AfterValidator(_increasing)]
+
+
+class Scenario(BaseModel):
+    """Fly from `start` to `end` in least time and touch the moving target on the way.
+
+    start, end         coordinates by name (m, rad); what is not named is 0; both at rest
+    target             motion of the target
+    contacts           conditions that must hold together while in contact, by name
+    kappa_init         number of consecutive nodes in contact, at least 1 (paper Eq. 26)
+    contact_seconds    duration of the contact in s; null: (kappa_init - 1) average steps
+    contact_guess      where in the flight the contact is first guessed, as a fraction of the travel time
+    intervals          N, number of intervals of the time grid
+    travel_time        allowed travel time [s, s]
+    travel_time_guess  first guess of the travel time in s
+    input_cost         c_u of the paper's cost t_N + c_u sum h |u - u_ref|^2, in 1/unit^2
+    workspace          limits of coordinates by name that belong to the room, not to the vehicle
+    hover_ends         first and last input equal hover (authors' public demo; not in the paper)
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+
+    name: str
+    start: dict[str, Finite]
+    end: dict[str, Finite]
+    target: InstanceOf[Motion]
+    contacts: dict[str, InstanceOf[Contact]]
+    kappa_init: Annotated[int, Field(ge=1)] = 2
+    contact_seconds: NonNegative | None = None
+    contact_guess: Annotated[float, Field(gt=0, lt=1)] = 0.42
+    intervals: Annotated[int, Field(ge=4)] = 100
+    travel_time: Range = (0.1, 30.0)
+    travel_time_guess: Positive = 3.0
+    input_cost: NonNegative = 3e-3
+    workspace: dict[str, Range] = Field(default_factory=dict)
+    hover_ends: bool = False
+
+    @model_validator(mode="before")
+    @classmethod
+    def _drop_disabled_contacts(cls, data: dict[str, Any]) -> dict[str, Any]:
+        kept = {k: v for k, v in (data.get("contacts") or {}).items() if v is not None}
+        return {**data, "contacts": kept}
+
+    def start_point(self, model: Model) -> Array:
+        """Return the start configuration (n_q,)."""
+        return point(self.start, model.configuration, "scenario.start")
+
+    def end_point(self, model: Model) -> Array:
+        """Return the end configuration (n_q,)."""
+        return point(self.end, model.configuration, "scenario.end")
+
+    def limits(self, model: Model) -> Coordinates:
+        """Limits of the configuration: the vehicle's, tightened by the workspace."""
+        own = model.configuration
+        lower, upper = own.lower.copy(), own.upper.copy()
+        for name, (low, high) in self.workspace.items():
+            i = coordinate(name, own, "scenario.workspace")
+            lower[i], upper[i] = max(lower[i], low), min(upper[i], high)
+            if lower[i] > upper[i]:
+                raise BadInput(f"scenario.workspace.{name}", f"[{low}, {high}] leaves nothing of the vehicle's own limits")
+        return Coordinates(own.names, own.units, lower, upper)
+
+
+def coordinate(name: str, of: Coordinates, field: str) -> int:
+    """Position of a coordinate by name; raises BadInput that lists the names when there is none."""
+    if name not in of.names:
+        raise BadInput(f"{field}.{name}", "the vehicle has no such coordinate", ", ".join(of.names))
+    return of.index(name)
+
+
+def point(values: dict[str, float], of: Coordinates, field: str) -> Array:
+    """Return a coordinate vector (n,) from values by name; the rest is 0."""
+    q = np.zeros(len(of.names))
+    for name, value in values.items():
+        q[coordinate(name, of, field)] = value
+    return q

@@ -1,0 +1,1 @@
+"""What a run leaves behind: one typed record, a table of records, a recording of the plan."""

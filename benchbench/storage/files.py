@@ -1,0 +1,68 @@
+"""Writing files so that a killed run or a full disk never leaves half a file behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from benchbench.errors import BadInput
+
+RECORD = "record.json"
+TEMPORARY_SUFFIX = ".tmp"
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Give a temporary file name next to `path`; on success it takes the place of `path` at once.
+
+    The folder is created. A failure leaves an existing `path` untouched and removes the temporary file.
+    Raises BadInput("output", ...) naming the folder when the file system refuses.
+    """
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.{secrets.token_hex(4)}{TEMPORARY_SUFFIX}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        yield temporary
+        os.replace(temporary, path)
+    except OSError as error:
+        raise _cannot_write(path.parent, error) from error
+    finally:
+        _remove(temporary)
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write a whole file atomically and flush it to the disk; raises BadInput("output", ...)."""
+    with replacing(path) as temporary, temporary.open("xb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def write_record(folder: Path, record: Mapping[str, Any]) -> Path:
+    """Write `record.json` into a run's folder and return its path.
+
+    Raises ValueError for NaN or infinity (make_record removes them), BadInput("output", ...) when the
+    file system refuses.
+    """
+    text = json.dumps(record, indent=2, allow_nan=False, ensure_ascii=False)
+    path = folder / RECORD
+    write_bytes(path, (text + "\n").encode())
+    return path
+
+
+def _cannot_write(folder: Path, error: OSError) -> BadInput:
+    reason = error.strerror or str(error)
+    return BadInput(
+        "output", f"cannot write into {folder}: {reason}", "a folder you may write to, with free space"
+    )
+
+
+def _remove(path: Path) -> None:
+    try:
+        path.unlink(missing_ok=True)
+    except OSError:
+        return  # a leftover temporary file is ignored by every reader

@@ -1,0 +1,148 @@
+"""What a viewer draws of a plan: frames, paths and the vehicle itself, in Foxglove's protobuf schemas."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from foxglove import Context
+from foxglove.channels import FrameTransformsChannel, PosesInFrameChannel, SceneUpdateChannel
+from foxglove.messages import (
+    Color,
+    CubePrimitive,
+    FrameTransform,
+    FrameTransforms,
+    LinePrimitive,
+    LinePrimitiveLineType,
+    Point3,
+    Pose,
+    PosesInFrame,
+    Quaternion,
+    SceneEntity,
+    SceneUpdate,
+    SpherePrimitive,
+    Timestamp,
+    Vector3,
+)
+
+from benchbench.motion import sample
+from benchbench.plan import Array, Plan
+from benchbench.storage.entry import Entry, nanoseconds
+
+if TYPE_CHECKING:
+    from benchbench.model import Model
+    from benchbench.scenario import Scenario
+
+WORLD = "world"
+BLUE, GREEN = Color(r=0.0, g=0.35, b=0.70, a=1.0), Color(r=0.0, g=0.55, b=0.35, a=1.0)
+PINK, OLIVE = Color(r=0.80, g=0.40, b=0.65, a=1.0), Color(r=0.50, g=0.50, b=0.0, a=1.0)
+LINE_M, SPHERE_M, CUBE_M = 0.006, 0.02, 0.04
+"""Sizes of what is drawn, in m."""
+
+Paths = Mapping[str, tuple[Array, Array]]
+"""Positions (n, 3) m and unit quaternions (n, 4) as x, y, z, w of each frame, by name."""
+
+
+def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Iterator[Entry]:
+    """Messages on /tf, /path/... and /scene, at the nodes of the plan."""
+    paths = _paths(plan, scenario, model)
+    log_times = nanoseconds(plan.time)
+    frames = FrameTransformsChannel("/tf", context=context)
+    view = SceneUpdateChannel("/scene", context=context)
+    for name, (position, quaternion) in paths.items():
+        poses = [_pose(p, q) for p, q in zip(position, quaternion, strict=True)]
+        channel = PosesInFrameChannel(f"/path/{name}", context=context)
+        yield Entry(0, channel, PosesInFrame(timestamp=_stamp(0), frame_id=WORLD, poses=poses))
+    yield Entry(0, view, SceneUpdate(entities=[_path_lines(paths)]))
+    for k, log_time in enumerate(log_times):
+        yield Entry(log_time, frames, FrameTransforms(transforms=_transforms(paths, k, log_time)))
+        body = _body(model.plant().skeleton(plan.configuration[k]), log_time)
+        yield Entry(log_time, view, SceneUpdate(entities=[body, _points(paths, k, log_time)]))
+
+
+def vehicle_pose(names: tuple[str, ...], q: Array) -> tuple[Array, Array]:
+    """Position (n, 3) m and unit quaternion (n, 4) x, y, z, w from coordinates q (n, n_q) by name.
+
+    Reads x, y, z and the angles roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll); what a model does
+    not have is 0.
+    """
+    column = {name: q[:, i] for i, name in enumerate(names)}
+    none = np.zeros(len(q))
+    position = np.stack([column.get(axis, none) for axis in ("x", "y", "z")], axis=-1)
+    half = [column.get(angle, none) / 2 for angle in ("roll", "pitch", "yaw")]
+    (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
+    quaternion = [
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
+    ]
+    return position, np.stack(quaternion, axis=-1)
+
+
+def _paths(plan: Plan, scenario: Scenario, model: Model) -> Paths:
+    upright = np.tile([0.0, 0.0, 0.0, 1.0], (len(plan.time), 1))
+    return {
+        "vehicle": vehicle_pose(plan.coordinate_names, plan.configuration),
+        "end_effector": (model.plant().tool(plan.configuration, plan.velocity)[0], upright),
+        "target": (sample(scenario.target, plan.time)[0], upright),
+    }
+
+
+def _transforms(paths: Paths, k: int, log_time: int) -> list[FrameTransform]:
+    return [
+        FrameTransform(
+            timestamp=_stamp(log_time),
+            parent_frame_id=WORLD,
+            child_frame_id=name,
+            translation=_vector(position[k]),
+            rotation=_rotation(quaternion[k]),
+        )
+        for name, (position, quaternion) in paths.items()
+    ]
+
+
+def _path_lines(paths: Paths) -> SceneEntity:
+    colors = {"vehicle": BLUE, "end_effector": PINK, "target": OLIVE}
+    lines = [_line(position, colors[name]) for name, (position, _) in paths.items()]
+    return SceneEntity(timestamp=_stamp(0), frame_id=WORLD, id="paths", lines=lines)
+
+
+def _body(skeleton: Mapping[str, Array], log_time: int) -> SceneEntity:
+    lines = [_line(points, GREEN if "arm" in name else BLUE) for name, points in skeleton.items()]
+    return SceneEntity(timestamp=_stamp(log_time), frame_id=WORLD, id="vehicle", lines=lines)
+
+
+def _points(paths: Paths, k: int, log_time: int) -> SceneEntity:
+    tool, target = (_pose(*(part[k] for part in paths[name])) for name in ("end_effector", "target"))
+    return SceneEntity(
+        timestamp=_stamp(log_time),
+        frame_id=WORLD,
+        id="contact",
+        spheres=[SpherePrimitive(pose=tool, size=_vector([SPHERE_M] * 3), color=PINK)],
+        cubes=[CubePrimitive(pose=target, size=_vector([CUBE_M] * 3), color=OLIVE)],
+    )
+
+
+def _line(points: Array, color: Color) -> LinePrimitive:
+    vertices = [Point3(x=float(x), y=float(y), z=float(z)) for x, y, z in points]
+    return LinePrimitive(type=LinePrimitiveLineType.LineStrip, thickness=LINE_M, points=vertices, color=color)
+
+
+def _pose(position: Array, quaternion: Array) -> Pose:
+    return Pose(position=_vector(position), orientation=_rotation(quaternion))
+
+
+def _vector(values: Array | list[float]) -> Vector3:
+    x, y, z = map(float, values)
+    return Vector3(x=x, y=y, z=z)
+
+
+def _rotation(quaternion: Array) -> Quaternion:
+    x, y, z, w = map(float, quaternion)
+    return Quaternion(x=x, y=y, z=z, w=w)
+
+
+def _stamp(log_time: int) -> Timestamp:
+    return Timestamp(sec=log_time // 10**9, nsec=log_time % 10**9)

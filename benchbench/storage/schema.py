@@ -1,0 +1,152 @@
+"""The record: the one place that says what is stored about a run, with type, unit and meaning.
+
+A change of this table that is more than a new column at the end of its group raises `SCHEMA_VERSION`.
+Records of an earlier version stay readable: columns they do not have are empty.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from benchbench.storage.status import Status
+
+__all__ = ["COLUMNS", "SCHEMA_VERSION", "Column", "Record", "Status", "make_record"]
+
+SCHEMA_VERSION = 1
+
+Type = Literal["int", "float", "str", "bool", "strings"]
+Record = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column: its type ("strings" is a list of texts), its unit ("" where there is none), its meaning."""
+
+    name: str
+    type: Type
+    unit: str
+    meaning: str
+
+
+COLUMNS: tuple[Column, ...] = (
+    # who
+    Column("schema_version", "int", "", "version of this table when the record was made"),
+    Column("run_id", "str", "", "unique name of the run, also the name of its row and folder"),
+    Column("config_hash", "str", "", "hash of the composed configuration; equal hash means the same run"),
+    Column("scenario", "str", "", "name of the scenario"),
+    Column("vehicle", "str", "", "name of the vehicle model"),
+    Column("dynamics", "str", "", "name of the transcription"),
+    Column("relaxation", "str", "", "name of the relaxation of the complementarity pairs"),
+    Column("solver", "str", "", "name of the solver"),
+    Column("strategy", "str", "", "name of the strategy (what is done with several solves)"),
+    Column("guess", "str", "", "name of the initial guess"),
+    Column("intervals", "int", "", "N, number of intervals of the time grid"),
+    Column("kappa_init", "int", "", "number of consecutive nodes asked to be in contact"),
+    Column("seed", "int", "", "seed of every random number of the run"),
+    # how it ended
+    Column("status", "str", "", "typed outcome: " + ", ".join(Status)),
+    Column("claimed_success", "bool", "", "the solver says it succeeded"),
+    Column("certified", "bool", "", "the certificate accepts the plan"),
+    Column("reasons", "strings", "", "why the plan is not certified, or why there is none; empty if certified"),
+    # what was found
+    Column("travel_time_s", "float", "s", "travel time t_N of the plan"),
+    Column("objective", "float", "", "value of the cost t_N + c_u sum h |u - u_ref|^2"),
+    Column("lower_bound_s", "float", "s", "proved lower bound of the travel time"),
+    # what it cost
+    Column("iterations", "int", "", "solver iterations, summed over all solves of the run"),
+    Column("evaluations", "int", "", "calls of objective, constraints and their derivatives, summed over all solves"),
+    Column("build_cpu_s", "float", "s", "CPU time to build the problem, compiler included"),
+    Column("solve_cpu_s", "float", "s", "CPU time inside the solver, summed over all solves of the run"),
+    Column("certificate_cpu_s", "float", "s", "CPU time to check the plan"),
+    Column("wall_s", "float", "s", "wall-clock time of the whole run"),
+    Column("peak_memory_mb", "float", "MB", "largest resident memory of the run's process (1 MB = 10^6 bytes)"),
+    # how large it was
+    Column("n_variables", "int", "", "number of scalar unknowns of the MPCC"),
+    Column("n_constraints", "int", "", "number of scalar constraints of the MPCC, pairs not counted"),
+    Column("n_pairs", "int", "", "number of scalar complementarity or vanishing pairs of the MPCC"),
+    Column("mpcc_hash", "str", "", "hash of the MPCC; equal hash means solvers got the same problem"),
+    # certificate: residuals of the original problem
+    Column("max_violation", "float", "scaled", "largest violation of bounds and constraints of the MPCC"),
+    Column("max_complementarity", "float", "scaled", "largest residual of the pairs of the MPCC"),
+    # certificate: replay of the inputs on the independent plant
+    Column("replay_defect_position_m", "float", "m", "largest position error after one interval, replay restarted at each node"),
+    Column("replay_defect_angle_rad", "float", "rad", "largest angle error after one interval, replay restarted at each node"),
+    Column("replay_drift_position_m", "float", "m", "largest position error at a node of the open-loop replay of the whole plan"),
+    Column("replay_end_error_m", "float", "m", "position error at the end of the open-loop replay"),
+    Column("max_rate_ratio", "float", "", "largest |velocity| / limit in the replay, also between nodes"),
+    # certificate: contact audit
+    Column("contact_start_s", "float", "s", "start of the contact window"),
+    Column("contact_end_s", "float", "s", "end of the contact window"),
+    Column("contact_steps", "int", "", "consecutive nodes at which every contact condition holds"),
+    Column("contact_duration_s", "float", "s", "length of the contact window"),
+    Column("contact_max_distance_m", "float", "m", "largest distance of end effector and target in the window"),
+    Column("contact_max_speed_gap_mps", "float", "m/s", "largest relative speed of end effector and target in the window"),
+    Column("contact_max_heading_error_rad", "float", "rad", "largest heading error in the window"),
+    # provenance
+    Column("benchbench_version", "str", "", "version of BenchBench"),
+    Column("python_version", "str", "", "version of Python"),
+    Column("casadi_version", "str", "", "version of CasADi"),
+    Column("numpy_version", "str", "", "version of NumPy"),
+    Column("solver_version", "str", "", "version of the solver, as its plugin reports it"),
+    Column("platform", "str", "", "operating system and machine type"),
+    Column("cpu", "str", "", "model name of the processor"),
+    Column("cpu_count", "int", "", "number of logical processors the run may use"),
+    Column("threads", "int", "", "OMP_NUM_THREADS of the run; empty if not set"),
+    Column("git_commit", "str", "", "commit of the BenchBench checkout; empty for an installed package"),
+    Column("git_dirty", "bool", "", "the checkout had changes that are not in that commit"),
+    Column("started_at", "str", "", "start of the run, UTC, ISO 8601"),
+)  # fmt: skip
+
+_BY_NAME = {column.name: column for column in COLUMNS}
+
+
+def make_record(**values: Any) -> Record:
+    """Return a record with every column, in order; what is not given is None.
+
+    NaN and infinity become None (unknown), NumPy scalars become Python numbers. Raises TypeError for a
+    name that is no column or a value of the wrong type, ValueError for a status that does not exist.
+    """
+    unknown = sorted(values.keys() - _BY_NAME.keys())
+    if unknown:
+        raise TypeError(f"not a column of the record: {', '.join(unknown)}; see benchbench/storage/schema.py")
+    given = {"schema_version": SCHEMA_VERSION, **values}
+    record = {column.name: _convert(column, given.get(column.name)) for column in COLUMNS}
+    if record["status"] not in (None, *Status):
+        raise ValueError(f"there is no status {record['status']!r}; see benchbench/storage/status.py")
+    return record
+
+
+def _convert(column: Column, value: Any) -> Any:
+    if isinstance(value, np.generic):
+        value = value.item()
+    if value is None or isinstance(value, float) and not math.isfinite(value):
+        return None
+    if not _fits(column.type, value):
+        raise TypeError(f"record column {column.name} is {column.type}, got {value!r}")
+    match column.type:
+        case "float":
+            return float(value)
+        case "str":
+            return str(value)
+        case "strings":
+            return [str(text) for text in value]
+        case _:
+            return value
+
+
+def _fits(type_: Type, value: Any) -> bool:
+    match type_:
+        case "bool":
+            return isinstance(value, bool)
+        case "int":
+            return isinstance(value, int) and not isinstance(value, bool)
+        case "float":
+            return isinstance(value, int | float) and not isinstance(value, bool)
+        case "str":
+            return isinstance(value, str)
+        case "strings":
+            return isinstance(value, list | tuple) and all(isinstance(text, str) for text in value)

@@ -1,0 +1,174 @@
+"""The table: one row per run, as a folder of small Parquet files that any tool can open as one dataset.
+
+Every run writes its own file, so concurrent runs never touch each other's rows and a killed run leaves
+the earlier rows intact. `record.json` in each run's folder is the source; the table can be rebuilt from it.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd  # type: ignore[import-untyped]
+import pyarrow as pa  # type: ignore[import-untyped]
+import pyarrow.csv  # type: ignore[import-untyped]
+import pyarrow.parquet as pq  # type: ignore[import-untyped]
+
+from benchbench.errors import BadInput
+from benchbench.storage.files import RECORD, write_bytes
+from benchbench.storage.schema import COLUMNS, Record, make_record
+
+LOG = logging.getLogger(__name__)
+
+_ARROW = {
+    "int": pa.int64(),
+    "float": pa.float64(),
+    "str": pa.string(),
+    "bool": pa.bool_(),
+    "strings": pa.list_(pa.string()),
+}
+_PANDAS = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
+_RUN_ID = re.compile(r"[\w][\w.+=-]*")
+
+SCHEMA = pa.schema(
+    [pa.field(c.name, _ARROW[c.type], metadata={"unit": c.unit, "meaning": c.meaning}) for c in COLUMNS]
+)
+
+
+def append(record: Mapping[str, Any], root: Path) -> Path:
+    """Add a run's record (or replace the row of the same `run_id`) and return the row's file.
+
+    Raises ValueError when `run_id` is not usable as a file name, BadInput("output", ...) when the file
+    system refuses.
+    """
+    run_id = record.get("run_id")
+    if not isinstance(run_id, str) or not _RUN_ID.fullmatch(run_id):
+        raise ValueError(f"run_id {run_id!r} is not a plain file name")
+    path = folder(root) / f"{run_id}.parquet"
+    write_bytes(path, _row(pa.Table.from_pylist([dict(record)], SCHEMA)))
+    return path
+
+
+def read(root: Path) -> pd.DataFrame:
+    """Return all rows, ordered by `run_id`, with every column of the schema.
+
+    Integers and booleans use pandas' nullable types. A file that is no row is logged and left out.
+    """
+    return _load(root).to_pandas(types_mapper=_PANDAS.get)
+
+
+def rebuild(root: Path) -> tuple[int, dict[Path, str]]:
+    """Make the table again from all `record.json` below `root`.
+
+    Returns the number of rows and, for each record that could not be used, the reason. Rows without a
+    record are removed, but only if every record could be used.
+    """
+    earlier = set(folder(root).glob("*.parquet"))
+    made: dict[Path, Path] = {}
+    problems: dict[Path, str] = {}
+    for source in sorted(root.rglob(RECORD)):
+        try:
+            path = append(_load_record(source), root)
+        except (OSError, ValueError, TypeError) as error:
+            problems[source] = f"{type(error).__name__}: {error}"
+            continue
+        if path in made:
+            problems[source] = f"same run_id as {made[path]}, whose row it replaced"
+        made[path] = source
+    if not problems:
+        for orphan in earlier - made.keys():
+            orphan.unlink(missing_ok=True)
+    return len(made), problems
+
+
+def export(root: Path, path: Path) -> None:
+    """Write the whole table to one .parquet, .csv or .md file; raises BadInput for another suffix.
+
+    CSV and Markdown join the texts of `reasons` by "; "; Markdown leaves out empty columns.
+    """
+    writers = {".parquet": _parquet, ".csv": _csv, ".md": _markdown}
+    if path.suffix not in writers:
+        raise BadInput(
+            "export", f"cannot write '{path.name}'", "a file name that ends in " + ", ".join(writers)
+        )
+    write_bytes(path, writers[path.suffix](_load(root)))
+
+
+def folder(root: Path) -> Path:
+    """Folder of the table below the folder of results."""
+    return root / "table"
+
+
+def _load(root: Path) -> pa.Table:
+    rows = [SCHEMA.empty_table()]
+    for path in sorted(folder(root).glob("*.parquet")):
+        try:
+            with pq.ParquetFile(path) as file:
+                row = file.read(use_threads=False)
+            rows.append(row if row.schema.equals(SCHEMA) else _conform(row))
+        except (OSError, pa.ArrowException) as error:
+            LOG.warning("left out %s, which is not a row of the table: %s", path, error)
+    return pa.concat_tables(rows).cast(SCHEMA)
+
+
+def _conform(table: pa.Table) -> pa.Table:
+    """Give a row of any schema version today's columns; what it does not have is empty."""
+    columns = [
+        table[field.name].cast(field.type)
+        if field.name in table.column_names
+        else pa.nulls(table.num_rows, field.type)
+        for field in SCHEMA
+    ]
+    return pa.table(columns, schema=SCHEMA)
+
+
+def _load_record(path: Path) -> Record:
+    values = json.loads(path.read_text())
+    if not isinstance(values, dict):
+        raise TypeError("not a record")
+    return make_record(**values)
+
+
+def _row(table: pa.Table) -> bytes:
+    """One row as Parquet without what only large files need: 6 kB instead of 22 kB."""
+    sink = pa.BufferOutputStream()
+    pq.write_table(
+        table, sink, compression="none", use_dictionary=False, write_statistics=False, store_schema=False
+    )
+    return sink.getvalue().to_pybytes()  # type: ignore[no-any-return]
+
+
+def _parquet(table: pa.Table) -> bytes:
+    sink = pa.BufferOutputStream()
+    pq.write_table(table, sink)
+    return sink.getvalue().to_pybytes()  # type: ignore[no-any-return]
+
+
+def _flat(table: pa.Table) -> pa.Table:
+    joined = [None if texts is None else "; ".join(texts) for texts in table["reasons"].to_pylist()]
+    place = table.column_names.index("reasons")
+    return table.set_column(place, "reasons", pa.array(joined, pa.string()))
+
+
+def _csv(table: pa.Table) -> bytes:
+    sink = pa.BufferOutputStream()
+    pyarrow.csv.write_csv(_flat(table), sink)
+    return sink.getvalue().to_pybytes()  # type: ignore[no-any-return]
+
+
+def _markdown(table: pa.Table) -> bytes:
+    used = [name for name in table.column_names if table[name].null_count < table.num_rows]
+    lines = [used, ["---"] * len(used)]
+    lines += [[_cell(row[name]) for name in used] for row in _flat(table).select(used).to_pylist()]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines).encode()
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    text = f"{value:.6g}" if isinstance(value, float) else str(value)
+    return text.replace("|", "\\|").replace("\n", " ")

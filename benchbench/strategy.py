@@ -1,0 +1,34 @@
+"""Interface of a strategy: what is done with several solves to get one plan."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+from benchbench.case import Case, Ledger
+from benchbench.formulation import Problem
+from benchbench.homotopy import Solved, homotopy
+from benchbench.plan import Plan
+
+
+@dataclass(frozen=True)
+class Result:
+    """The problem that was posed in the end, its claimed solution, and the plan it says."""
+
+    problem: Problem
+    solved: Solved
+    plan: Plan
+
+
+class Strategy(ABC):
+    """Turns a case into a plan."""
+
+    @abstractmethod
+    def solve(self, case: Case, ledger: Ledger) -> Result:
+        """Return the best plan found; never judges it."""
+
+
+def pose(problem: Problem, case: Case, ledger: Ledger, stage: str) -> Result:
+    """Solve one problem and decode it."""
+    solved = homotopy(problem.mpcc, case, ledger, stage)
+    return Result(problem, solved, problem.decode(solved.values))

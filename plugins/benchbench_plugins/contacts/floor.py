@@ -1,0 +1,33 @@
+"""Path condition: the end effector never dips below the target (authors' public demo code)."""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from benchbench.contact import Condition, Contact, Target
+from benchbench.dynamics import Node
+from benchbench.model import Model, Plant
+from benchbench.plan import Array
+
+
+@final
+@dataclass(frozen=True)
+class Floor(Contact):
+    """z_T - z_ee <= limit (m) at every node; not in the paper, off by default."""
+
+    limit: float = Field(0.01, gt=0)
+    unit: str = "m"
+    always: bool = True
+
+    def condition(self, model: Model, node: Node, target: Target) -> Condition:
+        """h = (z_T - z_ee) / limit - 1, always."""
+        below = target.position[2] - model.tool(node.configuration)[2]
+        return Condition(below / self.limit - 1, self.unit)
+
+    def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
+        """Depth of the end effector below the target in m, 0 when above."""
+        return np.maximum(target_position[..., 2] - plant.tool(q, v)[0][..., 2], 0.0)

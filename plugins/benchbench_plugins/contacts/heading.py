@@ -1,0 +1,51 @@
+"""Contact condition on the heading relative to the target's direction of motion (paper Eq. 28)."""
+
+from __future__ import annotations
+
+from typing import Literal, final
+
+import casadi as ca
+import numpy as np
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from benchbench.contact import Condition, Contact, Target
+from benchbench.dynamics import Node
+from benchbench.model import Model, Plant
+from benchbench.plan import Array
+
+SLOW = 1e-5
+"""Ground speed in m/s below which a direction of motion means nothing."""
+
+
+@final
+@dataclass(frozen=True)
+class Heading(Contact):
+    """Angle between the vehicle's nose and the target's ground velocity, at most `limit` rad.
+
+    form "angle": e <= limit, written with cos e, so flying backwards (e = pi) is far outside; a target
+    that stands still has no direction and the condition holds by definition.
+    form "cross": the paper's |v_T^xy x x_B^xy| <= limit as printed. It has units of m/s, vanishes for a
+    static target and accepts flying backwards; `gap` still measures the true angle.
+    """
+
+    limit: float = Field(0.1, gt=0, lt=np.pi / 2)
+    unit: str = "rad"
+    form: Literal["angle", "cross"] = "angle"
+
+    def condition(self, model: Model, node: Node, target: Target) -> Condition:
+        """h = (1 - cos e) / (1 - cos limit) - 1, or h = cross^2 / limit^2 - 1."""
+        nose, way = model.nose(node.configuration)[:2], target.velocity[:2]
+        if self.form == "cross":
+            cross = way[0] * nose[1] - way[1] * nose[0]
+            return Condition(cross**2 / self.limit**2 - 1, "m/s", (self.limit,))
+        squared = ca.sumsqr(way) * ca.sumsqr(nose) + SLOW**2
+        cosine = ca.dot(way, nose) / ca.sqrt(squared) + SLOW**2 / squared  # 1 when the target stands still
+        return Condition((1 - cosine) / (1 - np.cos(self.limit)) - 1, self.unit, (self.limit,))
+
+    def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
+        """Heading error in rad in [0, pi]; 0 where the target stands still."""
+        nose, way = plant.nose(q)[..., :2], target_velocity[..., :2]
+        cross = way[..., 0] * nose[..., 1] - way[..., 1] * nose[..., 0]
+        error = np.abs(np.arctan2(cross, np.sum(way * nose, axis=-1)))
+        return np.where(np.linalg.norm(way, axis=-1) > SLOW, error, 0.0)

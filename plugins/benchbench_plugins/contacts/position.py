@@ -1,0 +1,33 @@
+"""Contact condition on the distance between end effector and target (paper Eq. 23 and 29)."""
+
+from __future__ import annotations
+
+from typing import final
+
+import casadi as ca
+import numpy as np
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from benchbench.contact import Condition, Contact, Target
+from benchbench.dynamics import Node
+from benchbench.model import Model, Plant
+from benchbench.plan import Array
+
+
+@final
+@dataclass(frozen=True)
+class Position(Contact):
+    """|p_ee - p_T| <= limit (nu_max, m), squared and scaled: the norm has no derivative at zero."""
+
+    limit: float = Field(0.02, gt=0)
+    unit: str = "m"
+
+    def condition(self, model: Model, node: Node, target: Target) -> Condition:
+        """h = |p_ee - p_T|^2 / limit^2 - 1."""
+        offset = model.tool(node.configuration) - target.position
+        return Condition(ca.sumsqr(offset) / self.limit**2 - 1, self.unit, (self.limit,))
+
+    def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
+        """Distance in m."""
+        return np.asarray(np.linalg.norm(plant.tool(q, v)[0] - target_position, axis=-1))

@@ -1,0 +1,35 @@
+"""Contact condition on the relative speed of end effector and target (paper Eq. 27)."""
+
+from __future__ import annotations
+
+from typing import final
+
+import casadi as ca
+import numpy as np
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from benchbench.contact import Condition, Contact, Target
+from benchbench.dynamics import Node
+from benchbench.model import Model, Plant
+from benchbench.plan import Array
+
+
+@final
+@dataclass(frozen=True)
+class Velocity(Contact):
+    """|v_ee - v_T| <= limit (c_limit,velocity, m/s), squared and scaled."""
+
+    limit: float = Field(0.01, gt=0)
+    unit: str = "m/s"
+
+    def condition(self, model: Model, node: Node, target: Target) -> Condition:
+        """h = |v_ee - v_T|^2 / limit^2 - 1 with v_ee from the nodal velocity."""
+        q = ca.SX.sym("q", node.configuration.shape[0])
+        jacobian = ca.Function("tool_jacobian", [q], [ca.jacobian(model.tool(q), q)])
+        speed = jacobian(node.configuration) @ node.velocity - target.velocity
+        return Condition(ca.sumsqr(speed) / self.limit**2 - 1, self.unit, (self.limit,))
+
+    def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
+        """Relative speed in m/s."""
+        return np.asarray(np.linalg.norm(plant.tool(q, v)[1] - target_velocity, axis=-1))

@@ -1,0 +1,165 @@
+"""Independent numeric model of the aerial manipulator: Newton-Euler for two rigid bodies, NumPy only.
+
+Written apart from the Lagrangian that planners use. Everything is in the body frame: omega body rates,
+j = [0, 1, 0] the arm's axis, c the arm's centre of mass, c' = dc/d arm, "x" the cross product. With gravity
+moved into the acceleration, a = R^T (dv/dt + [0 0 g]), and x = [a, d omega/dt, d2 arm/dt2],
+
+    arm, cut free:  F = m (S x + b),         S = [I, -hat(c), c'],  b = terms of omega and d arm/dt only
+                    N = K (W x) + n,         W = [0, I, j],         K inertia, N moment about its centre
+    whole vehicle:  S^T F + W^T N + [m_body a, J d omega/dt + omega x J omega, 0] = [thrust, torque, servo]
+
+The three rows are the balances of force, of moment about the body's centre, and of moment about the joint
+(c' = j x (centre - mount), so c'.F is the moment of F about the joint). What the servo does to the body is
+inside F and N: nothing is added for it.
+"""
+
+from __future__ import annotations
+
+from typing import final
+
+import numpy as np
+
+from benchbench.model import Plant
+from benchbench.plan import Array
+from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
+
+AXIS, IDENTITY = np.array([0.0, 1.0, 0.0]), np.eye(3)
+LEVI_CIVITA = np.cross(IDENTITY[:, None], IDENTITY).transpose(0, 2, 1).reshape(3, 9)
+"""a @ LEVI_CIVITA is the matrix of a x, row by row."""
+ARM_TURN = np.hstack([np.zeros((3, 3)), IDENTITY, AXIS[:, None]])
+"""W: angular acceleration of the arm from x, without velocity terms."""
+ROTOR_SIGNS = np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]])
+"""Where rotors 1 to 4 stand (x forward, y left); with the drag signs this is the paper's Eq. (2)."""
+DRAG_SIGNS = np.array([-1.0, -1.0, 1.0, 1.0])
+
+
+@final
+class AerialManipulatorPlant(Plant):
+    """q = [x y z roll pitch yaw arm] (m, rad), v = dq/dt, u = [f1 f2 f3 f4 servo] (N, N m)."""
+
+    def __init__(self, parameters: Parameters) -> None:
+        """Keep the numbers of the vehicle as arrays."""
+        p = parameters
+        self._mass, self._arm_mass, self._gravity = p.quadrotor_mass, p.arm_mass, p.gravity
+        self._mount, self._length = np.array([0.0, 0.0, -p.arm_offset]), p.arm_length
+        self._inertia, self._arm_inertia = np.diag(p.quadrotor_inertia), np.diag(p.arm_inertia)
+        self._rotors = np.sqrt(2) / 4 * p.frame * ROTOR_SIGNS
+        self._body = np.diag([self._mass] * 3 + [*p.quadrotor_inertia, 0.0])
+        self._wrench = np.zeros((7, 5))
+        self._wrench[2, :4] = 1.0
+        self._wrench[3, :4], self._wrench[4, :4] = self._rotors[:, 1], -self._rotors[:, 0]
+        self._wrench[5, :4], self._wrench[6, 4] = p.torque_coefficient * DRAG_SIGNS, 1.0
+
+    def inertia(self, q: Array) -> Array:
+        """Return the matrix (..., 7, 7) that multiplies x (see the module) in the balances; q (..., 7)."""
+        frame = arm_frame(q)
+        return self._assemble(self._shift(frame), frame @ self._arm_inertia @ _transpose(frame))
+
+    def acceleration(self, q: Array, v: Array, u: Array) -> Array:
+        """Return d2q/dt2 (..., 7) for q, v (..., 7) and u (..., 5)."""
+        frame, omega, rate = arm_frame(q), body_rates(q, v), v[..., 6:]
+        shift, arm_inertia = self._shift(frame), frame @ self._arm_inertia @ _transpose(frame)
+        from_mount, swing = self._length / 2 * frame[..., 0], shift[..., 6]
+        spin, arm_omega = _hat(omega), omega + rate * AXIS
+        b = _apply(spin, _apply(spin, self._mount + from_mount) + 2 * rate * swing) - rate**2 * from_mount
+        n = _apply(arm_inertia, _apply(spin, rate * AXIS))
+        n += _apply(_hat(arm_omega), _apply(arm_inertia, arm_omega))
+        right = _apply(self._wrench, u) - _apply(_transpose(shift), self._arm_mass * b) - n @ ARM_TURN
+        right[..., 3:6] -= _apply(spin, _apply(self._inertia, omega))
+        x = np.linalg.solve(self._assemble(shift, arm_inertia), right[..., None])[..., 0]
+        out = np.empty_like(x)
+        out[..., :3] = _apply(rotation(q), x[..., :3])
+        out[..., 2] -= self._gravity
+        out[..., 3:6] = _euler_accelerations(q, v, x[..., 3:6])
+        out[..., 6] = x[..., 6]
+        return out
+
+    def tool(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return position (..., 3) m and velocity (..., 3) m/s of the end effector in the world."""
+        turn, frame = rotation(q), arm_frame(q)
+        tip, swing = self._mount + self._length * frame[..., 0], -self._length * frame[..., 2]
+        moving = _apply(_hat(body_rates(q, v)), tip) + swing * v[..., 6:]
+        return q[..., :3] + _apply(turn, tip), v[..., :3] + _apply(turn, moving)
+
+    def nose(self, q: Array) -> Array:
+        """Return the body x axis in the world frame, shape (..., 3)."""
+        return rotation(q)[..., 0]
+
+    def skeleton(self, q: Array) -> dict[str, Array]:
+        """Return the lines between opposite rotors and the arm from its mount to its tip, each (2, 3) m."""
+        arm = np.stack([self._mount, self._mount + self._length * arm_frame(q)[:, 0]])
+        lines = {"frame_a": self._rotors[:2], "frame_b": self._rotors[2:], "arm": arm}
+        return {name: q[:3] + line @ rotation(q).T for name, line in lines.items()}
+
+    def _shift(self, frame: Array) -> Array:
+        """S (..., 3, 7): acceleration of the arm's centre of mass from x, without velocity terms."""
+        shift = np.zeros((*frame.shape[:-1], 7))
+        shift[..., :3] = IDENTITY
+        shift[..., 3:6] = -_hat(self._mount + self._length / 2 * frame[..., 0])
+        shift[..., 6] = -self._length / 2 * frame[..., 2]
+        return shift
+
+    def _assemble(self, shift: Array, arm_inertia: Array) -> Array:
+        arm = self._arm_mass * _transpose(shift) @ shift + ARM_TURN.T @ arm_inertia @ ARM_TURN
+        return np.asarray(self._body + arm)
+
+
+def arm_frame(q: Array) -> Array:
+    """Return R_m(arm) (..., 3, 3), arm to body frame; column 0 points along the arm (paper Eq. 4)."""
+    c, s = np.cos(q[..., 6]), np.sin(q[..., 6])
+    frame = np.zeros((*c.shape, 3, 3))
+    frame[..., 0, 0], frame[..., 0, 2], frame[..., 1, 1] = c, s, 1.0
+    frame[..., 2, 0], frame[..., 2, 2] = -s, c
+    return frame
+
+
+def rotation(q: Array) -> Array:
+    """Return R = Rz(yaw) Ry(pitch) Rx(roll), body to world, (..., 3, 3)."""
+    cr, cp, cy = _parts(np.cos(q[..., 3:6]))
+    sr, sp, sy = _parts(np.sin(q[..., 3:6]))
+    turn = np.empty((*q.shape[:-1], 3, 3))
+    turn[..., 0, 0], turn[..., 1, 0], turn[..., 2, 0] = cy * cp, sy * cp, -sp
+    turn[..., 0, 1], turn[..., 0, 2] = cy * sp * sr - sy * cr, cy * sp * cr + sy * sr
+    turn[..., 1, 1], turn[..., 1, 2] = sy * sp * sr + cy * cr, sy * sp * cr - cy * sr
+    turn[..., 2, 1], turn[..., 2, 2] = cp * sr, cp * cr
+    return turn
+
+
+def body_rates(q: Array, v: Array) -> Array:
+    """Return omega = E d[roll pitch yaw]/dt in the body frame, (..., 3) rad/s."""
+    (cr, cp, _), (sr, sp, _) = _parts(np.cos(q[..., 3:6])), _parts(np.sin(q[..., 3:6]))
+    roll, pitch, yaw = _parts(v[..., 3:6])
+    out = np.empty((*q.shape[:-1], 3))
+    out[..., 0] = roll - sp * yaw
+    out[..., 1], out[..., 2] = cr * pitch + sr * cp * yaw, cr * cp * yaw - sr * pitch
+    return out
+
+
+def _euler_accelerations(q: Array, v: Array, spin: Array) -> Array:
+    """Second derivatives of the Euler angles: E^-1 (d omega/dt - dE/dt d[angles]/dt)."""
+    (cr, cp, _), (sr, sp, _) = _parts(np.cos(q[..., 3:6])), _parts(np.sin(q[..., 3:6]))
+    roll, pitch, yaw = _parts(v[..., 3:6])
+    x = spin[..., 0] + cp * pitch * yaw
+    y = spin[..., 1] + sr * roll * pitch - (cr * cp * roll - sr * sp * pitch) * yaw
+    z = spin[..., 2] + cr * roll * pitch + (sr * cp * roll + cr * sp * pitch) * yaw
+    out = np.empty_like(spin)
+    out[..., 2] = (sr * y + cr * z) / cp
+    out[..., 0], out[..., 1] = x + sp * out[..., 2], cr * y - sr * z
+    return out
+
+
+def _parts(a: Array) -> tuple[Array, Array, Array]:
+    return a[..., 0], a[..., 1], a[..., 2]
+
+
+def _hat(a: Array) -> Array:
+    """Matrix (..., 3, 3) with hat(a) b = a x b."""
+    return np.asarray((a @ LEVI_CIVITA).reshape(*a.shape, 3))
+
+
+def _apply(matrix: Array, vector: Array) -> Array:
+    return np.asarray((matrix @ vector[..., None])[..., 0])
+
+
+def _transpose(matrix: Array) -> Array:
+    return np.swapaxes(matrix, -1, -2)

@@ -1,0 +1,35 @@
+"""A target whose motion is the sum of others, for example a circle on a moving platform."""
+
+from __future__ import annotations
+
+from typing import final
+
+import casadi as ca
+import numpy as np
+from pydantic import InstanceOf
+from pydantic.dataclasses import dataclass
+
+from benchbench.motion import Motion
+from benchbench.plan import Array
+
+
+@final
+@dataclass(frozen=True)
+class Combined(Motion):
+    """Sum of the positions of all `parts`."""
+
+    parts: tuple[InstanceOf[Motion], ...]
+
+    @property
+    def parameters(self) -> Array:
+        """Those of the parts, one after the other."""
+        return np.concatenate([np.zeros(0), *(part.parameters for part in self.parts)])
+
+    def position(self, time: ca.SX, parameters: ca.SX) -> ca.SX:
+        """Sum."""
+        total, first = ca.SX.zeros(3), 0
+        for part in self.parts:
+            count = len(part.parameters)
+            total += part.position(time, parameters[first : first + count])
+            first += count
+        return total

@@ -1,0 +1,28 @@
+"""The MPCC as a plain nonlinear program, without any relaxation."""
+
+from __future__ import annotations
+
+from typing import final
+
+import casadi as ca
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from benchbench.mpcc import PairKind
+from benchbench.relaxation import Relaxation, Relaxed
+
+
+@final
+@dataclass(frozen=True)
+class Direct(Relaxation):
+    """G >= 0, H >= 0, G H <= 0; for vanishing pairs G >= 0, G H <= 0 (Achtziger & Kanzow 2008). No sigma.
+
+    On our scaled contact conditions this is the clean form: epsilon h <= 0 with h = (gap / limit)^2 - 1.
+    """
+
+    schedule: tuple[float, ...] = (0.0,)
+    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None) -> Relaxed:
+        """Row G H."""
+        return Relaxed(g * h, (-np.inf,), (0.0,))

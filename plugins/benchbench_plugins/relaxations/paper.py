@@ -1,0 +1,40 @@
+"""The paper's own mix of relaxations, kept faithful so that it can be judged."""
+
+from __future__ import annotations
+
+from typing import final
+
+import casadi as ca
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from benchbench.mpcc import PairKind
+from benchbench.relaxation import Relaxation, Relaxed, Unknown
+
+
+@final
+@dataclass(frozen=True)
+class Paper(Relaxation):
+    """Slack equality for the distance, fixed limits for the rest (paper Eq. 29, 31 and 33). No sigma.
+
+    position:  epsilon (gap - nu) = 0 with a new unknown nu in [0, limit];
+    others:    epsilon gap <= limit, in physical units.
+    Fractional epsilon passes both, so a "contact" may break every limit; the certificate shows it. Norms
+    are smoothed by `smoothing` (relative to the limit), since their derivative at zero does not exist.
+    Complementarity pairs without a physical gap: G >= 0, H >= 0, G H <= limit_product (Baumrucker 2008).
+    """
+
+    schedule: tuple[float, ...] = (0.0,)
+    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    smoothing: float = 1e-3
+    limit_product: float = 1e-2
+
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None) -> Relaxed:
+        """Rows as in the paper; h = (gap / limit)^2 - 1 gives the gap back."""
+        if limit is None:
+            return Relaxed(g * h, (-np.inf,), (self.limit_product,))
+        gap = limit * ca.sqrt(ca.fmax(h + 1, 0) + self.smoothing**2)
+        if name != "position":
+            return Relaxed(g * gap, (-np.inf,), (limit,))
+        nu = ca.SX.sym("nu")
+        return Relaxed(g * (gap - nu), (0.0,), (0.0,), unknowns=(Unknown(nu, 0.0, limit, ca.SX(limit)),))

@@ -1,0 +1,28 @@
+"""Scholtes' global regularisation."""
+
+from __future__ import annotations
+
+from typing import final
+
+import casadi as ca
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from benchbench.mpcc import PairKind
+from benchbench.relaxation import Relaxation, Relaxed
+
+
+@final
+@dataclass(frozen=True)
+class Scholtes(Relaxation):
+    """G >= 0, H >= 0, G H <= sigma (Scholtes 2001, doi:10.1137/S1052623499361233).
+
+    sigma bounds the product; vanishing pairs become G >= 0, G H <= sigma (Izmailov & Solodov 2009).
+    """
+
+    schedule: tuple[float, ...] = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
+    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None) -> Relaxed:
+        """Row G H - sigma."""
+        return Relaxed(g * h - sigma, (-np.inf,), (0.0,))

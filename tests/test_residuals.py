@@ -1,0 +1,106 @@
+"""Residuals against a small problem whose violations are worked out by hand."""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from benchbench.certificate.residuals import PairResidual, residuals
+from benchbench.mpcc import Block, Mpcc, Pair, Variable, rows
+from benchbench.plan import Array
+
+SIGMA = ca.SX.sym("sigma")
+
+
+def block(name: str, out: ca.SX, z: ca.SX, lower: float, upper: float, instances: int = 3) -> Block:
+    """The same function on rows (a_i, b_i) of variable "ab"."""
+    p = ca.SX.sym("p", 0)
+    shape = (instances, out.shape[0])
+    function = ca.Function(name, [z, p, SIGMA], [out])
+    slots = (rows("ab", 2, range(instances)),)
+    low, high = np.full(shape, lower), np.full(shape, upper)
+    return Block(name, function, slots, np.zeros((instances, 0)), low, high)
+
+
+def problem(kind: str = "complementarity") -> Mpcc:
+    """a_i + b_i <= 1 for three rows, 0 <= a_i perpendicular to b_i (- 2 where it vanishes), |a|, |b| <= 5."""
+    z = ca.SX.sym("z", 2)
+    h = z[1] if kind == "complementarity" else z[1] - 2
+    pair = block("touch", ca.vertcat(z[0], h), z, 0, 0)
+    ab = Variable("ab", np.full((3, 2), -5.0), np.full((3, 2), 5.0), np.zeros((3, 2)))
+    return Mpcc((ab,), (block("sum", z[0] + z[1], z, -np.inf, 1.0),), (), (Pair(pair, kind),))
+
+
+def point(*rows_: tuple[float, float]) -> Array:
+    return np.array(rows_, float).ravel()
+
+
+def test_a_solution_has_no_residual() -> None:
+    found = residuals(problem(), point((0, 1), (1, 0), (0, 0)))
+    assert found.max_violation == 0
+    assert found.max_complementarity == 0
+
+
+def test_bounds_and_constraints_by_name() -> None:
+    found = residuals(problem(), point((0, 0.25), (5.5, 0), (0, 0)))
+    assert found.bounds == 0.5
+    assert found.constraints == {"sum": 4.5}
+    assert found.max_violation == 4.5
+    assert found.worst_constraint == "sum"
+    assert residuals(problem(), point((0, 0), (0, -7), (0, 0))).worst_constraint == "bounds"
+
+
+def test_blocks_of_one_name_are_taken_together() -> None:
+    z = ca.SX.sym("z", 2)
+    part = Mpcc((), (block("sum", z[0], z, 0.75, np.inf, 1), block("sum", z[1], z, 0.0, np.inf, 1)))
+    assert residuals(problem() + part, point((0, 0), (0, 0), (0, 0))).constraints == {"sum": 0.75}
+
+
+def test_a_complementarity_pair() -> None:
+    found = residuals(problem(), point((0.25, 0.5), (0, 1), (-0.125, 0)))
+    assert found.pairs == {"touch": PairResidual(negativity=0.125, natural=0.25, product=0.125)}
+    assert found.max_complementarity == 0.25
+
+
+def test_a_negative_partner_counts_unless_the_pair_vanishes() -> None:
+    x = point((0, -0.5), (0, 0), (0, 0))
+    assert residuals(problem("complementarity"), x).max_complementarity == 0.5
+    assert residuals(problem("vanishing"), x).max_complementarity == 0
+
+
+def test_a_vanishing_pair() -> None:
+    held, free, broken = (1.0, 1.5), (0.0, 4.0), (0.25, 2.5)
+    assert residuals(problem("vanishing"), point(held, free, free)).max_complementarity == 0
+    found = residuals(problem("vanishing"), point(held, free, broken))
+    assert found.pairs["touch"] == PairResidual(negativity=0.0, natural=0.25, product=0.125)
+
+
+def test_only_relaxed_complementarity_is_not_complementarity() -> None:
+    sigma = 1e-6
+    found = residuals(problem(), point((1e-3, 1e-3), (0, 0), (0, 0)))
+    assert found.pairs["touch"].product <= sigma * (1 + 1e-12)
+    assert found.max_complementarity == 1e-3
+
+
+@pytest.mark.parametrize("row", [0, 1, 2])
+def test_nan_is_never_the_best(row: int) -> None:
+    x = np.zeros((3, 2))
+    x[row] = np.nan
+    found = residuals(problem(), x.ravel())
+    assert np.isnan(found.max_violation)
+    assert np.isnan(found.max_complementarity)
+
+
+def test_a_function_that_fails_only_inside_is_seen() -> None:
+    z = ca.SX.sym("z", 2)
+    part = Mpcc((), (block("root", ca.sqrt(z[0] - 1), z, -np.inf, np.inf),))
+    found = residuals(problem() + part, point((0, 0), (0, 0), (0, 0)))
+    assert found.worst_constraint == "root"
+    assert np.isnan(found.max_violation)
+
+
+def test_a_block_without_instances() -> None:
+    z = ca.SX.sym("z", 2)
+    part = Mpcc((), (block("none", z[0], z, 1, 1, 0),))
+    assert residuals(problem() + part, np.zeros(6)).constraints["none"] == 0
