@@ -105,7 +105,9 @@ class _Part:
         if row is not None:
             rows = np.full_like(rows, row)
         columns = self.index[:, self.local.columns]
-        return _Entries(ca.vec(self._map(self.local.jacobian)), rows.ravel(), columns.ravel(), np.ones(rows.size))
+        return _Entries(
+            ca.vec(self._map(self.local.jacobian)), rows.ravel(), columns.ravel(), np.ones(rows.size)
+        )
 
     def hessian(self, weight: ca.MX) -> _Entries:
         """Entries of the upper triangle of the Hessian of weight . out."""
@@ -113,7 +115,10 @@ class _Part:
         lam = ca.repmat(weight, outputs, self.block.instances)
         if weight.numel() == outputs * self.block.instances:
             lam = ca.reshape(weight, outputs, self.block.instances)
-        i, j = self.index[:, self.local.hessian_rows].ravel(), self.index[:, self.local.hessian_columns].ravel()
+        i, j = (
+            self.index[:, self.local.hessian_rows].ravel(),
+            self.index[:, self.local.hessian_columns].ravel(),
+        )
         local_i, local_j = np.broadcast_arrays(
             np.tile(self.local.hessian_rows, self.block.instances),
             np.tile(self.local.hessian_columns, self.block.instances),

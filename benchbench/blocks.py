@@ -15,6 +15,7 @@ import subprocess
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import metadata
 from pathlib import Path
 from typing import Literal
 
@@ -51,7 +52,9 @@ class Derivatives:
 def derivatives(functions: Sequence[ca.Function], compile: Compile = "auto") -> list[Derivatives]:
     """Return the derivatives of each function, from the cache where possible."""
     folders = [_folder(f) for f in functions]
-    missing = {p: f for p, f in zip(folders, functions, strict=True) if not (p / "functions.casadi").is_file()}
+    missing = {
+        p: f for p, f in zip(folders, functions, strict=True) if not (p / "functions.casadi").is_file()
+    }
     for folder, function in missing.items():
         _publish(folder, "functions.casadi", _differentiate(function).save)
     if compile == "auto" and shutil.which("gcc"):
@@ -65,8 +68,8 @@ def cache_root() -> Path:
     root = Path(wanted) if wanted else user_cache_path("benchbench") / "blocks"
     try:
         root.mkdir(parents=True, exist_ok=True)
-        probe = tempfile.TemporaryFile(dir=root)
-        probe.close()
+        with tempfile.TemporaryFile(dir=root):
+            pass
     except OSError as error:
         log.warning("cache folder %s is not writable (%s); derivatives are not kept", root, error.strerror)
         root = Path(tempfile.gettempdir()) / f"benchbench-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
@@ -103,12 +106,14 @@ def _differentiate(function: ca.Function) -> _Bundle:
     value = ca.Function(f"{name}_value", [z, p, sigma], [ca.densify(out)])
     flat = ca.Function(f"{name}_first", [z, p, sigma], [_nonzeros(jacobian)], {"allow_free": False})
     curve = ca.Function(f"{name}_second", [z, p, sigma, lam], [_nonzeros(hessian)])
-    pattern = ca.Function(f"{name}_pattern", [], [ca.DM(jacobian.sparsity(), 1), ca.DM(hessian.sparsity(), 1)])
+    pattern = ca.Function(
+        f"{name}_pattern", [], [ca.DM(jacobian.sparsity(), 1), ca.DM(hessian.sparsity(), 1)]
+    )
     return _Bundle([value, flat, curve, pattern])
 
 
 def _nonzeros(matrix: ca.SX) -> ca.SX:
-    return ca.vertcat(*matrix.nonzeros()) if matrix.nnz() else ca.SX(0, 1)
+    return ca.sparsity_cast(matrix, ca.Sparsity.dense(matrix.nnz(), 1))
 
 
 def _load(folder: Path, compile: Compile) -> Derivatives:
@@ -117,12 +122,14 @@ def _load(folder: Path, compile: Compile) -> Derivatives:
     compiled = compile != "never" and library.is_file()
     if compiled:
         value, first, second = (ca.external(f.name(), str(library)) for f in (value, first, second))
-    jacobian, hessian = (m.sparsity().get_triplet() for m in pattern.call([]))
-    return Derivatives(value, first, second, *(np.array(i, dtype=np.int64) for i in (*jacobian, *hessian)), compiled)
+    places = [
+        np.array(i, dtype=np.int64) for matrix in pattern.call([]) for i in matrix.sparsity().get_triplet()
+    ]
+    return Derivatives(value, first, second, places[0], places[1], places[2], places[3], compiled)
 
 
 def _folder(function: ca.Function) -> Path:
-    what = "|".join([function.serialize(), ca.__version__, platform.machine(), *FLAGS])
+    what = "|".join([function.serialize(), metadata.version("casadi"), platform.machine(), *FLAGS])
     folder = cache_root() / hashlib.sha256(what.encode()).hexdigest()[:32]
     folder.mkdir(exist_ok=True)
     return folder
@@ -150,5 +157,7 @@ def _compile_all(folders: Sequence[Path]) -> None:
         if job.returncode == 0:
             os.replace(scratch / "block.so", folder / "block.so")
         else:
-            log.warning("gcc failed, the block stays interpreted: %s", stderr.decode(errors="replace").strip()[-200:])
+            log.warning(
+                "gcc failed, the block stays interpreted: %s", stderr.decode(errors="replace").strip()[-200:]
+            )
         shutil.rmtree(scratch)

@@ -14,7 +14,7 @@ from benchbench.dynamics import Dynamics
 from benchbench.model import Model
 from benchbench.relaxation import Relaxation
 from benchbench.scenario import Scenario
-from benchbench.solver import Budget, Outcome, Progress, Solver
+from benchbench.solver import Accuracy, Outcome, Progress, Solver
 
 if TYPE_CHECKING:
     from benchbench.guess import Guess
@@ -35,6 +35,7 @@ class Case:
     limits: Limits
     names: Mapping[str, str]
     seed: int = 0
+    accuracy: Accuracy = "high"
     compile: Compile = "auto"
     time_limit: float = 300.0
     iteration_limit: int = 3000
@@ -45,7 +46,6 @@ class Ledger:
     """What a run has spent so far, and where its progress is shown."""
 
     time_limit: float
-    iteration_limit: int
     watch: Watch | None = None
     build_cpu: float = 0.0
     solve_cpu: float = 0.0
@@ -66,10 +66,10 @@ class Ledger:
         self.iterations += outcome.iterations
         self.evaluations += outcome.evaluations
 
-    def budget(self) -> Budget:
-        """What is left for the next solve."""
-        left = self.time_limit - (time.perf_counter() - self.began)
-        return Budget(max(left, 0.1), self.iteration_limit)
+    @property
+    def seconds_left(self) -> float:
+        """Wall seconds left for the next solve, at least 0.1."""
+        return max(self.time_limit - (time.perf_counter() - self.began), 0.1)
 
 
 class Watch:

@@ -14,6 +14,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.core.plugins import Plugins
 from hydra.errors import HydraException
 from hydra.plugins.search_path_plugin import SearchPathPlugin
+from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from rich.console import Console
@@ -65,7 +66,7 @@ def _application(codes: list[int]) -> None:
     Plugins.instance().register(ThirdPartyConfig)
 
     def task(cfg: DictConfig) -> None:
-        multirun = HydraConfig.get().mode.name == "MULTIRUN"
+        multirun = HydraConfig.get().mode == RunMode.MULTIRUN
         try:
             codes.append(_run(cfg))
         except BenchBenchError as error:
@@ -94,18 +95,28 @@ def _run(cfg: DictConfig) -> int:
 def config_hash(cfg: DictConfig) -> str:
     """Hash of everything that decides the result of a run: the composed config without the output folder."""
     decisive = {str(k): v for k, v in OmegaConf.to_container(cfg, resolve=True).items() if k != "output"}  # type: ignore[union-attr]
-    return hashlib.sha256(OmegaConf.to_yaml(OmegaConf.create(decisive), sort_keys=True).encode()).hexdigest()[:16]
+    return hashlib.sha256(OmegaConf.to_yaml(OmegaConf.create(decisive), sort_keys=True).encode()).hexdigest()[
+        :16
+    ]
 
 
 def _run_id(folder: Path, root: Path) -> str:
     inside = folder.resolve().is_relative_to(root.resolve())
-    return "_".join((folder.resolve().relative_to(root.resolve()) if inside else folder.resolve()).parts[-4:]).replace("/", "")
+    return "_".join(
+        (folder.resolve().relative_to(root.resolve()) if inside else folder.resolve()).parts[-4:]
+    ).replace("/", "")
 
 
 def _complain(error: Exception) -> None:
     console = Console(stderr=True, highlight=False)
     if isinstance(error, OSError) and not isinstance(error, BenchBenchError):
-        error = BadInput("output", f"cannot write: {error.strerror or error} ({error.filename})", "a folder you may write to")
-    text = str(error).replace("Set the environment variable HYDRA_FULL_ERROR=1 for a complete stack trace.", "")
+        error = BadInput(
+            "output",
+            f"cannot write: {error.strerror or error} ({error.filename})",
+            "a folder you may write to",
+        )
+    text = str(error).replace(
+        "Set the environment variable HYDRA_FULL_ERROR=1 for a complete stack trace.", ""
+    )
     console.print("benchbench: [bold red]bad input[/bold red]", end="\n  ")
     console.print(text.strip(), markup=False, soft_wrap=True)

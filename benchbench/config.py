@@ -28,13 +28,19 @@ def folder() -> str:
     for candidate in ([Path(asked)] if asked else []) + [here / "conf", here.parent / "conf"]:
         if (candidate / "config.yaml").is_file():
             return str(candidate)
-    raise BadInput("BENCHBENCH_CONF", "no folder with a config.yaml found", "the path of benchbench's conf folder")
+    raise BadInput(
+        "BENCHBENCH_CONF", "no folder with a config.yaml found", "the path of benchbench's conf folder"
+    )
 
 
 def scenarios() -> list[str]:
     """Names of all scenarios on the search path."""
     loader = GlobalHydra.instance().config_loader() if GlobalHydra.instance().is_initialized() else None
-    names = loader.get_group_options("scenario") if loader else [p.stem for p in Path(folder(), "scenario").glob("*.yaml")]
+    names = (
+        loader.get_group_options("scenario")
+        if loader
+        else [p.stem for p in Path(folder(), "scenario").glob("*.yaml")]
+    )
     return sorted(n for n in names if n not in HIDDEN)
 
 
@@ -49,12 +55,14 @@ def compose(*overrides: str) -> Case:
 def build(cfg: DictConfig, choices: Mapping[str, Any]) -> Case:
     """Make every part of the case; raises BadInput."""
     if "scenario" not in cfg:
-        raise BadInput("scenario", "none was chosen", f"+scenario=NAME with NAME one of {', '.join(scenarios())}")
+        raise BadInput(
+            "scenario", "none was chosen", f"+scenario=NAME with NAME one of {', '.join(scenarios())}"
+        )
     parts = {family: _make(cfg, family) for family in FAMILIES}
     names = {family: str(choices.get(family) or "custom") for family in FAMILIES}
     fields = _make(cfg, "scenario")
     scenario = _checked("scenario", Scenario, **{str(k): v for k, v in fields.items()})
-    rest = {key: cfg[key] for key in ("seed", "compile", "time_limit", "iteration_limit")}
+    rest = {key: cfg[key] for key in ("seed", "accuracy", "compile", "time_limit", "iteration_limit")}
     _check_run(rest)
     return Case(
         scenario=scenario, model=parts["vehicle"], limits=parts["certificate"],
@@ -64,8 +72,9 @@ def build(cfg: DictConfig, choices: Mapping[str, Any]) -> Case:
 
 
 def _check_run(rest: Mapping[str, Any]) -> None:
-    if rest["compile"] not in ("auto", "never"):
-        raise BadInput("compile", f"'{rest['compile']}' does not exist", "auto, never")
+    for key, allowed in {"compile": ("auto", "never"), "accuracy": ("low", "medium", "high")}.items():
+        if rest[key] not in allowed:
+            raise BadInput(key, f"'{rest[key]}' does not exist", ", ".join(allowed))
     for key in ("time_limit", "iteration_limit", "seed"):
         value = rest[key]
         low = 0 if key == "seed" else 1e-3
@@ -103,5 +112,9 @@ def _explained(family: str, error: InstantiationException) -> BenchBenchError:
 def _validation(field: str, error: ValidationError) -> BadInput:
     first = error.errors()[0]
     place = ".".join([field, *(str(part) for part in first["loc"])])
-    given = "" if first["type"] in ("missing", "unexpected_keyword_argument") else f", but {first['input']!r} was given"
+    given = (
+        ""
+        if first["type"] in ("missing", "unexpected_keyword_argument")
+        else f", but {first['input']!r} was given"
+    )
     return BadInput(place, first["msg"] + given)

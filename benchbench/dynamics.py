@@ -44,7 +44,10 @@ class Grid:
     def step_weights(self) -> Array:
         """W (N, phases): interval k has the step h_k = W[k] @ durations, in s."""
         return np.concatenate(
-            [np.tile(np.eye(len(self.phases))[i] / p.intervals, (p.intervals, 1)) for i, p in enumerate(self.phases)]
+            [
+                np.tile(np.eye(len(self.phases))[i] / p.intervals, (p.intervals, 1))
+                for i, p in enumerate(self.phases)
+            ]
         )
 
     @property

@@ -76,7 +76,9 @@ def phase_grid(case: Case, travel_time: float) -> Grid:
     inside = scenario.kappa_init if (scenario.kappa_init > 1 or seconds) else 0
     approach = (scenario.intervals - inside) // 2
     before = Phase("approach", approach, SHORTEST, longest, scenario.contact_guess * travel_time)
-    after = Phase("leave", scenario.intervals - inside - approach, SHORTEST, longest, travel_time - before.guess)
+    after = Phase(
+        "leave", scenario.intervals - inside - approach, SHORTEST, longest, travel_time - before.guess
+    )
     if not inside:
         return Grid((before, after))
     guess = (scenario.kappa_init - 1) * travel_time / scenario.intervals if seconds is None else seconds

@@ -6,12 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchbench.assemble import assemble
 from benchbench.case import Case, Ledger
 from benchbench.mpcc import Mpcc
 from benchbench.plan import Array
 from benchbench.relaxation import relax
-from benchbench.solver import Outcome, Point
+from benchbench.solver import Outcome, Point, Setup
 
 
 @dataclass(frozen=True)
@@ -32,20 +31,19 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str) -> Solved:
     """
     with ledger.building():
         relaxed = relax(mpcc, case.relaxation) if mpcc.pairs else mpcc
-        program = assemble(relaxed, case.compile)
         offsets = relaxed.offsets
         where = (offsets["T"], relaxed.split(relaxed.guess)["T"].size) if "T" in offsets else None
         watch = ledger.watch.stage(stage, where) if ledger.watch else None
-        solve = case.solver.prepare(program, watch)
-    point, outcome, sigma = Point(program.guess), None, 0.0
+        setup = Setup(ledger.seconds_left, case.iteration_limit, case.accuracy, case.compile, watch)
+        solve = case.solver.prepare(relaxed, setup)
+    point, outcome, sigma = Point(relaxed.guess), None, 0.0
     for sigma in case.relaxation.schedule if mpcc.pairs else (0.0,):
-        budget = ledger.budget()
-        outcome = solve(sigma, point, budget)
+        outcome = solve(sigma, point)
         ledger.count(outcome)
         if not np.all(np.isfinite(outcome.point.x)):
             outcome = replace(outcome, claim="invalid", point=point)
         point = Point(outcome.point.x)
-        if outcome.claim == "time_limit":
+        if outcome.claim == "time_limit" or ledger.seconds_left <= 0.1:
             break
     if outcome is None:
         raise ValueError("relaxation.schedule is empty")

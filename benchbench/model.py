@@ -7,6 +7,7 @@ the `Plant`, so that an error in one is found by the other.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -110,6 +111,8 @@ def acceleration(model: Model, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
     return ca.solve(mass_matrix(model, q, v), model.force(q, v, u) - bias)
 
 
-def box(names: tuple[str, ...], units: tuple[str, ...], lower: Array, upper: Array) -> Coordinates:
+def box(
+    names: tuple[str, ...], units: tuple[str, ...], lower: Sequence[float], upper: Sequence[float]
+) -> Coordinates:
     """Build `Coordinates` from plain sequences."""
     return Coordinates(names, units, np.asarray(lower, float), np.asarray(upper, float))

@@ -29,7 +29,8 @@ class Motion(ABC):
 
 def motion_state(motion: Motion, time: ca.SX, parameters: ca.SX) -> tuple[ca.SX, ca.SX]:
     """Return symbolic position (3,) m and velocity (3,) m/s of a target at a symbolic time."""
-    return _state_function(motion)(time, parameters)  # type: ignore[no-any-return]
+    position, velocity = _state_function(motion)(time, parameters)
+    return position, velocity
 
 
 def sample(motion: Motion, times: Array) -> tuple[Array, Array]:

@@ -42,14 +42,16 @@ def run(case: Case, watch: Watch | None = None, labels: Mapping[str, Any] | None
     before = provenance.collect()
     began = time.perf_counter()
     validate(case)
-    ledger = Ledger(case.time_limit, case.iteration_limit, watch)
+    ledger = Ledger(case.time_limit, watch)
     result = case.strategy.solve(case, ledger)
     judged = time.process_time()
     found = residuals(result.problem.mpcc, result.solved.x)
     certificate = certify(result.plan, case.scenario, case.model, case.limits, found)
     bound = lower_bound(case.scenario, case.model, case.model.plant())
     costs = {"certificate_cpu_s": time.process_time() - judged, "wall_s": time.perf_counter() - began}
-    record = _record(case, result, certificate, ledger, {**before, **costs, "lower_bound_s": bound, **(labels or {})})
+    record = _record(
+        case, result, certificate, ledger, {**before, **costs, "lower_bound_s": bound, **(labels or {})}
+    )
     return Run(case, result, certificate, record)
 
 
@@ -69,7 +71,9 @@ def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
     paths["record"] = write_record(folder, done.record)
     paths["table"] = append(done.record, table).parent
     write_mcap(paths["plan"], plan, flight, case.scenario, case.model, {"config": config})
-    title = f"{case.names['scenario']}, {case.names['dynamics']}, N = {plan.intervals}, {case.names['strategy']}"
+    title = (
+        f"{case.names['scenario']}, {case.names['dynamics']}, N = {plan.intervals}, {case.names['strategy']}"
+    )
     verdict = "certified" if done.certificate.certified else f"NOT certified: {done.certificate.reasons[0]}"
     draw(paths["picture"], plan, case.scenario, case.model, flight, title, verdict)
     return paths

@@ -50,7 +50,9 @@ class Relaxation(ABC):
     kinds: tuple[PairKind, ...] = ("complementarity",)
 
     @abstractmethod
-    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None) -> Relaxed:
+    def relax(
+        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
+    ) -> Relaxed:
         """Return rows for the scalar pair (g, h); `name` and `limit` are those of the pair (see `Pair`)."""
 
 
@@ -72,9 +74,7 @@ def _relax_pair(pair: Pair, relaxation: Relaxation, start: Array) -> Mpcc:
     z, p, sigma = ca.SX.sym("z", inner.size1_in(0)), ca.SX.sym("p", inner.size1_in(1)), ca.SX.sym("sigma")
     g, h = ca.SX.sym("g", count), ca.SX.sym("h", count)
     limits = pair.limit or (None,) * count
-    parts = [
-        _relax_scalar(pair, relaxation, g[i], h[i], sigma, limits[i]) for i in range(count)
-    ]
+    parts = [_relax_scalar(pair, relaxation, g[i], h[i], sigma, limits[i]) for i in range(count)]
     unknowns = [u for part in parts for u in part.unknowns]
     new = ca.vertcat(ca.SX(0, 1), *(u.symbol for u in unknowns))
     inside = ca.Function("inside", [g, h, new, sigma], [

@@ -41,6 +41,8 @@ class Scenario(BaseModel):
     travel_time_guess  first guess of the travel time in s
     input_cost         c_u of the paper's cost t_N + c_u sum h |u - u_ref|^2, in 1/unit^2
     workspace          limits of coordinates by name that belong to the room, not to the vehicle
+    rate_margin        share of a velocity limit that the planner leaves unused, by coordinate name: a
+                       transcription keeps limits at its nodes, and the plan is judged by what is flown
     hover_ends         first and last input equal hover (authors' public demo; not in the paper)
     """
 
@@ -59,6 +61,7 @@ class Scenario(BaseModel):
     travel_time_guess: Positive = 3.0
     input_cost: NonNegative = 3e-3
     workspace: dict[str, Range] = Field(default_factory=dict)
+    rate_margin: dict[str, Annotated[float, Field(ge=0, lt=1)]] = Field(default_factory=dict)
     hover_ends: bool = False
 
     @model_validator(mode="before")
@@ -83,8 +86,19 @@ class Scenario(BaseModel):
             i = coordinate(name, own, "scenario.workspace")
             lower[i], upper[i] = max(lower[i], low), min(upper[i], high)
             if lower[i] > upper[i]:
-                raise BadInput(f"scenario.workspace.{name}", f"[{low}, {high}] leaves nothing of the vehicle's own limits")
+                raise BadInput(
+                    f"scenario.workspace.{name}",
+                    f"[{low}, {high}] leaves nothing of the vehicle's own limits",
+                )
         return Coordinates(own.names, own.units, lower, upper)
+
+    def planned_rates(self, model: Model) -> Coordinates:
+        """Velocity limits as the planner keeps them: the vehicle's, less `rate_margin`."""
+        own = model.velocity
+        share = np.ones(len(own.names))
+        for name, margin in self.rate_margin.items():
+            share[coordinate(name, own, "scenario.rate_margin")] -= margin
+        return Coordinates(own.names, own.units, own.lower * share, own.upper * share)
 
 
 def coordinate(name: str, of: Coordinates, field: str) -> int:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
-from benchbench.assemble import Program
+from benchbench.blocks import Compile
+from benchbench.mpcc import Mpcc
 from benchbench.plan import Array
 
+Accuracy = Literal["low", "medium", "high"]
+TOLERANCE: dict[Accuracy, float] = {"low": 1e-4, "medium": 1e-6, "high": 1e-8}
 Claim = Literal["solved", "infeasible", "iteration_limit", "time_limit", "invalid", "failed"]
 Progress = Callable[[int, Array, float], None]
 """Called with iteration, x (n,) and the worst constraint violation while a solver works."""
@@ -43,25 +46,36 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Budget:
-    """What one solve may use: wall seconds and iterations."""
+class Setup:
+    """What a backend is told before it builds; each maps it onto its own option names.
 
-    seconds: float
-    iterations: int
+    seconds, iterations  limits of each solve
+    accuracy             "low", "medium", "high" ask for KKT residuals of about 1e-4, 1e-6, 1e-8
+    """
+
+    seconds: float = 300.0
+    iterations: int = 3000
+    accuracy: Accuracy = "high"
+    compile: Compile = "auto"
+    progress: Progress | None = None
 
 
-Prepared = Callable[[float, Point, Budget], Outcome]
+Prepared = Callable[[float, Point], Outcome]
 
 
 class Solver(ABC):
     """A nonlinear programming backend."""
 
-    native_pairs: bool = False
-    """Whether it takes complementarity pairs as they are."""
+    @abstractmethod
+    def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
+        """Return a callable (sigma, start) -> Outcome; all construction cost belongs here.
+
+        mpcc has no pairs left (they were relaxed). Raises Unavailable when the library is not there.
+        """
 
     @abstractmethod
-    def prepare(self, program: Program, progress: Progress | None = None) -> Prepared:
-        """Return a callable (sigma, start, budget) -> Outcome; all construction cost belongs here."""
+    def native_options(self, setup: Setup) -> dict[str, Any]:
+        """Return what accuracy and limits become in the backend's own option names; `options` win."""
 
     @abstractmethod
     def version(self) -> str:

@@ -69,7 +69,7 @@ def _verdict(r: Mapping[str, Any]) -> Text:
     for reason in r["reasons"]:
         text.append(f"\n- {reason}", style="not bold red")
     if not r["claimed_success"]:
-        text.append(f"\n  {Status(r['status']).remedy}", style="not bold")
+        text.append(f"\n  {Status.__members__[r['status'].upper()].remedy}", style="not bold")
     return text
 
 

@@ -52,9 +52,9 @@ class NodalTrajectory:
 
     def parameters(self, nodes: Sequence[int]) -> Array:
         """Time and step weights of each node, (nodes, 2 phases)."""
-        nodes = np.asarray(nodes, dtype=int)
-        steps = self.grid.step_weights[np.minimum(nodes, self.grid.intervals - 1)]
-        return np.hstack([self.grid.time_weights[nodes], steps])
+        which = np.asarray(nodes, dtype=int)
+        steps = self.grid.step_weights[np.minimum(which, self.grid.intervals - 1)]
+        return np.hstack([self.grid.time_weights[which], steps])
 
     def decode(self, values: dict[str, Array], progress: Array) -> Plan:
         """Turn named values into a plan."""
@@ -75,7 +75,9 @@ class NodalTrajectory:
         return {
             "q": _sample(plan.time, plan.configuration, time),
             "v": _sample(plan.time, plan.velocity, time),
-            "u": plan.input_at(middle if self.interpolation == "hold" else np.minimum(time, plan.travel_time)),
+            "u": plan.input_at(
+                middle if self.interpolation == "hold" else np.minimum(time, plan.travel_time)
+            ),
             "T": duration[:, None],
         }
 
@@ -93,7 +95,7 @@ def nodal_variables(
     q = scenario.limits(model)
     nodes = grid.intervals + 1
     share = np.linspace(0.0, 1.0, nodes)[:, None]
-    v = model.velocity
+    v = scenario.planned_rates(model)
     far = np.full_like(v.lower, np.inf)
     low_v, high_v = (v.lower, v.upper) if velocity_limits else (-far, far)
     rest = np.zeros_like(start)
@@ -106,7 +108,7 @@ def nodal_variables(
         _with_ends("q", q.lower, q.upper, start, end, (1 - share) * start + share * end, nodes),
         _with_ends("v", low_v, high_v, rest, rest, np.tile((end - start) / total, (nodes, 1)), nodes),
         Variable("u", low_u, high_u, np.tile(u_ref, (input_rows, 1))),
-        Variable("T", *(np.array([[getattr(p, k)] for p in grid.phases]) for k in ("lower", "upper", "guess")), "s"),
+        Variable("T", _column(grid, "lower"), _column(grid, "upper"), _column(grid, "guess"), "s"),
     )
 
 
@@ -136,7 +138,9 @@ def total_time(scenario: Scenario, grid: Grid) -> Mpcc:
     if len(grid.phases) == 1:
         return Mpcc()
     duration = ca.SX.sym("T", len(grid.phases))
-    function = ca.Function("total_time", [duration, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [ca.sum1(duration)])
+    function = ca.Function(
+        "total_time", [duration, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [ca.sum1(duration)]
+    )
     low, high = (np.array([[bound]]) for bound in scenario.travel_time)
     return Mpcc((), (Block("total_time", function, (durations(grid, 1),), np.zeros((1, 0)), low, high, "s"),))
 
@@ -146,7 +150,12 @@ def each_interval(
     bounds: tuple[float, float] = (0.0, 0.0),
 ) -> Block:  # fmt: skip
     """Block `rule(q0, v0, q1, v1, u0, [u1], h)` on every interval, rows bounded by `bounds`."""
-    n, n_u, phases, count = len(model.configuration.names), len(model.inputs.names), len(grid.phases), grid.intervals
+    n, n_u, phases, count = (
+        len(model.configuration.names),
+        len(model.inputs.names),
+        len(grid.phases),
+        grid.intervals,
+    )
     state = [ca.SX.sym(k, n) for k in ("q0", "v0", "q1", "v1")]
     inputs = [ca.SX.sym(f"u{i}", n_u) for i in range(inputs_per_interval)]
     duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases)
@@ -162,11 +171,17 @@ def each_interval(
     return Block(name, function, slots, grid.step_weights, low, high, unit)
 
 
-def _with_ends(name: str, low: Array, high: Array, first: Array, last: Array, guess: Array, nodes: int) -> Variable:
+def _with_ends(
+    name: str, low: Array, high: Array, first: Array, last: Array, guess: Array, nodes: int
+) -> Variable:
     lower, upper = np.tile(low, (nodes, 1)), np.tile(high, (nodes, 1))
     lower[0] = upper[0] = guess[0] = first
     lower[-1] = upper[-1] = guess[-1] = last
     return Variable(name, lower, upper, guess)
+
+
+def _column(grid: Grid, what: str) -> Array:
+    return np.array([[getattr(phase, what)] for phase in grid.phases])
 
 
 def _sample(time: Array, values: Array, at: Array) -> Array:

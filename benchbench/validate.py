@@ -22,7 +22,11 @@ def validate(case: Case) -> None:
         )
     seconds = scenario.contact_seconds
     if seconds is not None and seconds >= scenario.travel_time[1]:
-        raise BadInput("scenario.contact_seconds", f"{seconds} s is longer than the flight", f"below {scenario.travel_time[1]}")
+        raise BadInput(
+            "scenario.contact_seconds",
+            f"{seconds} s is longer than the flight",
+            f"below {scenario.travel_time[1]}",
+        )
     _pose("start", scenario.start_point(model), case)
     _pose("end", scenario.end_point(model), case)
     _reachable(case)
@@ -34,7 +38,11 @@ def _pose(which: str, q: Array, case: Case) -> None:
         limits.names, limits.units, q, limits.lower, limits.upper, strict=True
     ):
         if not low <= value <= high:
-            raise BadInput(f"scenario.{which}.{name}", f"{value:g} {unit} is outside its limits", f"{low:g} to {high:g} {unit}")
+            raise BadInput(
+                f"scenario.{which}.{name}",
+                f"{value:g} {unit} is outside its limits",
+                f"{low:g} to {high:g} {unit}",
+            )
 
 
 def _reachable(case: Case) -> None:
@@ -43,9 +51,13 @@ def _reachable(case: Case) -> None:
     latest = scenario.travel_time[1]
     target, _ = sample(scenario.target, np.linspace(0.0, latest, 301))
     if not np.all(np.isfinite(target)):
-        raise BadInput("scenario.target", "gives positions that are not finite numbers", "finite positions in m")
+        raise BadInput(
+            "scenario.target", "gives positions that are not finite numbers", "finite positions in m"
+        )
     limits = scenario.limits(model)
-    reach = arm_reach(model, plant) + max((c.limit for c in scenario.contacts.values() if c.unit == "m"), default=0.0)
+    reach = arm_reach(model, plant) + max(
+        (c.limit for c in scenario.contacts.values() if c.unit == "m"), default=0.0
+    )
     for axis in ("x", "y", "z"):
         i = limits.index(axis)
         low, high = limits.lower[i] - reach, limits.upper[i] + reach

@@ -119,7 +119,7 @@ def _integrate(rate: Callable[[float, Array], Array], start: Array, fractions: A
         solver = DOP853(rate, 0.0, start, 1.0, rtol=TOLERANCE, atol=TOLERANCE, first_step=1.0)
         while solver.status == "running" and solver.nfev < budget:
             solver.step()
-            if solver.status == "failed" or not np.max(np.abs(solver.y)) < FAR:
+            if str(solver.status) == "failed" or not np.max(np.abs(solver.y)) < FAR:
                 break
             reached = int(np.searchsorted(fractions, solver.t, side="right"))
             if reached > done:

@@ -29,8 +29,10 @@ LABEL_M = 0.17
 
 @dataclass(frozen=True)
 class Scene:
-    """A plan with what the views need: end effector and target at the nodes, each (N + 1, 3) m,
-    and the end effector on the replay (m, 3) m."""
+    """A plan with what the views need.
+
+    End effector and target at the nodes, each (N + 1, 3) m, and the end effector on the replay (m, 3) m.
+    """
 
     plan: Plan
     model: Model

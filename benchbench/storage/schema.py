@@ -123,7 +123,7 @@ def make_record(**values: Any) -> Record:
 def _convert(column: Column, value: Any) -> Any:
     if isinstance(value, np.generic):
         value = value.item()
-    if value is None or isinstance(value, float) and not math.isfinite(value):
+    if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return None
     if not _fits(column.type, value):
         raise TypeError(f"record column {column.name} is {column.type}, got {value!r}")

@@ -24,7 +24,7 @@ class Floor(Contact):
     always: bool = True
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
-        """h = (z_T - z_ee) / limit - 1, always."""
+        """H = (z_T - z_ee) / limit - 1, always."""
         below = target.position[2] - model.tool(node.configuration)[2]
         return Condition(below / self.limit - 1, self.unit)
 

@@ -34,7 +34,7 @@ class Heading(Contact):
     form: Literal["angle", "cross"] = "angle"
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
-        """h = (1 - cos e) / (1 - cos limit) - 1, or h = cross^2 / limit^2 - 1."""
+        """H = (1 - cos e) / (1 - cos limit) - 1, or h = cross^2 / limit^2 - 1."""
         nose, way = model.nose(node.configuration)[:2], target.velocity[:2]
         if self.form == "cross":
             cross = way[0] * nose[1] - way[1] * nose[0]

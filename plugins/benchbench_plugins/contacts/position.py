@@ -24,7 +24,7 @@ class Position(Contact):
     unit: str = "m"
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
-        """h = |p_ee - p_T|^2 / limit^2 - 1."""
+        """H = |p_ee - p_T|^2 / limit^2 - 1."""
         offset = model.tool(node.configuration) - target.position
         return Condition(ca.sumsqr(offset) / self.limit**2 - 1, self.unit, (self.limit,))
 

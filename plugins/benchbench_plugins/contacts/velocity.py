@@ -24,7 +24,7 @@ class Velocity(Contact):
     unit: str = "m/s"
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
-        """h = |v_ee - v_T|^2 / limit^2 - 1 with v_ee from the nodal velocity."""
+        """H = |v_ee - v_T|^2 / limit^2 - 1 with v_ee from the nodal velocity."""
         q = ca.SX.sym("q", node.configuration.shape[0])
         jacobian = ca.Function("tool_jacobian", [q], [ca.jacobian(model.tool(q), q)])
         speed = jacobian(node.configuration) @ node.velocity - target.velocity

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.dynamics import Dynamics, Grid, Trajectory
-from benchbench.model import Model
+from benchbench.model import Coordinates, Model
 from benchbench.mpcc import Block, Mpcc
 from benchbench.scenario import Scenario
 from benchbench.transcription import NodalTrajectory, cost, each_interval, nodal_variables, total_time
@@ -43,9 +43,17 @@ class Verlet(Dynamics):
         held = self.inputs == "interval"
         input_rows = grid.intervals + (not held)
         variables = nodal_variables(scenario, model, grid, input_rows, self.velocity == "nodal")
-        legendre = each_interval("verlet", grid, model, 1 if held else 2, self._rule(model), "kg m/s, kg m^2/s")
-        constraints = (legendre,) if self.velocity == "nodal" else (legendre, *_mean_limits(model, grid))
-        mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, input_rows)) + total_time(scenario, grid)
+        legendre = each_interval(
+            "verlet", grid, model, 1 if held else 2, self._rule(model), "kg m/s, kg m^2/s"
+        )
+        constraints = (
+            (legendre,)
+            if self.velocity == "nodal"
+            else (legendre, _mean_limits(scenario.planned_rates(model), model, grid))
+        )
+        mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, input_rows)) + total_time(
+            scenario, grid
+        )
         return mpcc, NodalTrajectory(grid, model, "hold" if held else "linear", self.velocity)
 
     def _rule(self, model: Model):  # type: ignore[no-untyped-def]
@@ -75,9 +83,8 @@ def _lagrangian_gradients(model: Model) -> tuple[ca.Function, ca.Function]:
     )
 
 
-def _mean_limits(model: Model, grid: Grid) -> tuple[Block, ...]:
+def _mean_limits(limits: Coordinates, model: Model, grid: Grid) -> Block:
     """q_1 - q_0 - h v_max <= 0 and q_0 - q_1 + h v_min <= 0 on every interval (paper Eq. 22)."""
-    limits = model.velocity
     finite = np.flatnonzero(np.isfinite(limits.upper)).tolist()
     low, high = ca.DM(limits.lower[finite]), ca.DM(limits.upper[finite])
 
@@ -85,4 +92,4 @@ def _mean_limits(model: Model, grid: Grid) -> tuple[Block, ...]:
         step = (q1 - q0)[finite]
         return ca.vertcat(step - h * high, h * low - step)
 
-    return (each_interval("mean_velocity", grid, model, 1, rule, "m, rad", (-np.inf, 0.0)),)
+    return each_interval("mean_velocity", grid, model, 1, rule, "m, rad", (-np.inf, 0.0))

@@ -51,14 +51,16 @@ class AerialManipulator(Model):
         """Position is limited by the scenario's workspace only, yaw not at all."""
         p, far = self.parameters, np.inf
         low, high = p.arm_angle
-        return box(NAMES, UNITS, [-far] * 3 + [-p.tilt] * 2 + [-far, low], [far] * 3 + [p.tilt] * 2 + [far, high])
+        return box(
+            NAMES, UNITS, [-far] * 3 + [-p.tilt] * 2 + [-far, low], [far] * 3 + [p.tilt] * 2 + [far, high]
+        )
 
     @property
     def velocity(self) -> Coordinates:
         """Limits on world velocity, Euler angle rates and arm rate."""
         p = self.parameters
         most = np.array([*p.speed, *p.angular_rate, p.arm_rate])
-        return box(NAMES, tuple(f"{unit}/s" for unit in UNITS), -most, most)
+        return box(NAMES, tuple(f"{unit}/s" for unit in UNITS), (-most).tolist(), most.tolist())
 
     @property
     def inputs(self) -> Coordinates:

@@ -8,9 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from benchbench.scenario import Positive, Range
 
-Inertia = tuple[
-    Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]
-]
+Inertia = tuple[Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)], Annotated[float, Field(ge=0)]]
 
 
 class Parameters(BaseModel):

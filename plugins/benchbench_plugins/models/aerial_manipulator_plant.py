@@ -86,9 +86,10 @@ class AerialManipulatorPlant(Plant):
         return rotation(q)[..., 0]
 
     def skeleton(self, q: Array) -> dict[str, Array]:
-        """Return the lines between opposite rotors and the arm from its mount to its tip, each (2, 3) m."""
+        """Return the lines between opposite rotors and the arm from its mount to its tip, each (2, 3) m; plus the mount."""
         arm = np.stack([self._mount, self._mount + self._length * arm_frame(q)[:, 0]])
         lines = {"frame_a": self._rotors[:2], "frame_b": self._rotors[2:], "arm": arm}
+        lines["mount"] = np.stack([np.zeros(3), self._mount])
         return {name: q[:3] + line @ rotation(q).T for name, line in lines.items()}
 
     def _shift(self, frame: Array) -> Array:

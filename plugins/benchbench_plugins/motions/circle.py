@@ -6,7 +6,6 @@ from typing import final
 
 import casadi as ca
 import numpy as np
-from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput
@@ -29,12 +28,14 @@ class Circle(Motion):
     rate_radps: Finite
     phase_rad: Finite = 0.0
     normal: tuple[Finite, Finite, Finite] = (0.0, 0.0, 1.0)
-    first_axis: tuple[Finite, Finite, Finite] = Field((1.0, 0.0, 0.0))
+    first_axis: tuple[Finite, Finite, Finite] = (1.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         """Raise BadInput when normal and first axis do not span a plane."""
         if np.linalg.norm(np.cross(self.normal, self.first_axis)) < 1e-9:
-            raise BadInput("scenario.target.normal", "is zero or parallel to first_axis", "two independent axes")
+            raise BadInput(
+                "scenario.target.normal", "is zero or parallel to first_axis", "two independent axes"
+            )
 
     @property
     def parameters(self) -> Array:

@@ -47,7 +47,9 @@ class Spline(Motion):
         """Per piece: start time, then a + b s + c s^2 + d s^3 for x, y, z with s = t - start; (pieces, 13)."""
         table = self.points
         spline = CubicSpline(table[:, 0], table[:, 1:], bc_type="natural")
-        pieces = np.concatenate([spline.x[:-1, None], spline.c[::-1].transpose(1, 0, 2).reshape(-1, 12)], axis=1)
+        pieces = np.concatenate(
+            [spline.x[:-1, None], spline.c[::-1].transpose(1, 0, 2).reshape(-1, 12)], axis=1
+        )
         first = np.concatenate([[-1e9], table[0, 1:], spline.c[2, 0], np.zeros(6)])
         last = np.concatenate([[table[-1, 0]], table[-1, 1:], spline(table[-1, 0], 1), np.zeros(6)])
         return np.concatenate([np.array([first, *pieces, last]).ravel(), table[:1, 0]])

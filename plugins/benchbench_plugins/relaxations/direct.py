@@ -23,6 +23,8 @@ class Direct(Relaxation):
     schedule: tuple[float, ...] = (0.0,)
     kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
 
-    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None) -> Relaxed:
+    def relax(
+        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
+    ) -> Relaxed:
         """Row G H."""
         return Relaxed(g * h, (-np.inf,), (0.0,))

@@ -29,7 +29,9 @@ class Paper(Relaxation):
     smoothing: float = 1e-3
     limit_product: float = 1e-2
 
-    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None) -> Relaxed:
+    def relax(
+        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
+    ) -> Relaxed:
         """Rows as in the paper; h = (gap / limit)^2 - 1 gives the gap back."""
         if limit is None:
             return Relaxed(g * h, (-np.inf,), (self.limit_product,))

@@ -23,6 +23,8 @@ class Scholtes(Relaxation):
     schedule: tuple[float, ...] = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
     kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
 
-    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None) -> Relaxed:
+    def relax(
+        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
+    ) -> Relaxed:
         """Row G H - sigma."""
         return Relaxed(g * h - sigma, (-np.inf,), (0.0,))

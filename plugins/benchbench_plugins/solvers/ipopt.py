@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import field
+from importlib import metadata
 from typing import Any, final
 
 import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.assemble import Program
-from benchbench.solver import Budget, Claim, Outcome, Point, Prepared, Progress, Solver
+from benchbench.assemble import Program, assemble
+from benchbench.mpcc import Mpcc
+from benchbench.solver import TOLERANCE, Claim, Outcome, Point, Prepared, Progress, Setup, Solver
 
 CLAIMS: dict[str, Claim] = {
     "Solve_Succeeded": "solved",
@@ -33,50 +36,55 @@ class Ipopt(Solver):
     CasADi wheel (others crash without their library).
     """
 
-    tolerance: float = 1e-8
     linear_solver: str = "mumps"
     options: dict[str, Any] = field(default_factory=dict)
 
-    def prepare(self, program: Program, progress: Progress | None = None) -> Prepared:
-        """Build one CasADi solver per budget; all share the derivatives."""
-        built: dict[Budget, ca.Function] = {}
-        watch = _Watch(program, progress) if progress else None
+    def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
+        """Assemble once, build one CasADi solver with sigma as its parameter."""
+        program = assemble(mpcc, setup.compile)
+        options = _casadi_options(program) | {"ipopt": self.native_options(setup)}
+        if setup.progress:
+            options["iteration_callback"] = watch = _Watch(program, setup.progress)
+        solver = ca.nlpsol("ipopt", "ipopt", _problem(program), options)
 
-        def solve(sigma: float, start: Point, budget: Budget) -> Outcome:
-            if budget not in built:
-                built[budget] = ca.nlpsol("ipopt", "ipopt", _problem(program), self._options(program, budget, watch))
-            return _run(built[budget], program, sigma, start)
+        def solve(sigma: float, start: Point) -> Outcome:
+            return _run(solver, program, sigma, start)
 
+        solve.keep = watch if setup.progress else None  # type: ignore[attr-defined]  # CasADi holds no reference
         return solve
 
-    def version(self) -> str:
-        """CasADi's version names the bundled IPOPT."""
-        return f"ipopt (casadi {ca.__version__})"
-
-    def _options(self, program: Program, budget: Budget, watch: _Watch | None) -> dict[str, Any]:
-        own: dict[str, Any] = {
-            "tol": self.tolerance,
+    def native_options(self, setup: Setup) -> dict[str, Any]:
+        """IPOPT's tol, max_iter and max_wall_time; mu and bounds as measured best for MPCCs."""
+        own = {
+            "tol": TOLERANCE[setup.accuracy],
             "linear_solver": self.linear_solver,
             "mu_strategy": "adaptive",
             "bound_relax_factor": 0.0,
-            "max_iter": budget.iterations,
-            "max_wall_time": budget.seconds,
+            "max_iter": setup.iterations,
+            "max_wall_time": setup.seconds,
             "print_level": 0,
             "sb": "yes",
         }
-        return {
-            "ipopt": own | self.options,
-            "grad_f": program.gradient,
-            "jac_g": program.jacobian,
-            "hess_lag": program.hessian,
-            "no_nlp_grad": True,
-            "calc_lam_p": False,
-            "calc_f": False,
-            "calc_g": False,
-            "print_time": False,
-            "error_on_fail": False,
-            **({"iteration_callback": watch} if watch else {}),
-        }
+        return own | self.options
+
+    def version(self) -> str:
+        """CasADi's version names the bundled IPOPT."""
+        return f"ipopt (casadi {metadata.version('casadi')})"
+
+
+def _casadi_options(program: Program) -> dict[str, Any]:
+    """Own derivatives; without the two switches CasADi would ask blocks for derivatives they do not have."""
+    return {
+        "grad_f": program.gradient,
+        "jac_g": program.jacobian,
+        "hess_lag": program.hessian,
+        "no_nlp_grad": True,
+        "calc_lam_p": False,
+        "calc_f": False,
+        "calc_g": False,
+        "print_time": False,
+        "error_on_fail": False,
+    }
 
 
 def _problem(program: Program) -> dict[str, ca.MX]:
@@ -84,7 +92,7 @@ def _problem(program: Program) -> dict[str, ca.MX]:
 
 
 def _run(solver: ca.Function, program: Program, sigma: float, start: Point) -> Outcome:
-    arguments = {
+    arguments: dict[str, Any] = {
         "x0": start.x, "p": sigma,
         "lbx": program.lower_x, "ubx": program.upper_x, "lbg": program.lower_g, "ubg": program.upper_g,
     }  # fmt: skip
@@ -131,7 +139,7 @@ class _Watch(ca.Callback):
     def get_sparsity_in(self, i: int) -> ca.Sparsity:
         return ca.Sparsity.dense(self.sizes[ca.nlpsol_out(i)], 1)
 
-    def eval(self, arguments: list[ca.DM]) -> list[int]:
+    def eval(self, arguments: Sequence[ca.DM]) -> list[int]:
         values = dict(zip(map(ca.nlpsol_out, range(ca.nlpsol_n_out())), arguments, strict=True))
         g = np.asarray(values["g"]).ravel()
         violation = np.maximum(self.program.lower_g - g, g - self.program.upper_g).max(initial=0.0)
