@@ -103,8 +103,10 @@ class Trajectory(Protocol):
 class Dynamics(ABC):
     """A transcription: continuous dynamics and limits become variables and blocks."""
 
-    order: int
-    """Order of convergence of nodal values for smooth inputs; measured by the conformance suite."""
+    @property
+    @abstractmethod
+    def order(self) -> int:
+        """Order of convergence of nodal values for smooth inputs; measured by the conformance suite."""
 
     @abstractmethod
     def transcribe(self, scenario: Scenario, model: Model, grid: Grid) -> tuple[Mpcc, Trajectory]:

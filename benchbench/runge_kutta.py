@@ -1,0 +1,181 @@
+"""Any Runge-Kutta method as a transcription, with its stages as unknowns.
+
+Stage states and accelerations are unknowns of their own, so that the Euler-Lagrange equations are one small
+function mapped over all stages of all intervals, no mass matrix is ever inverted, and limits hold at the
+stages as plain bounds (no exploiting the inside of a step). With stage positions Q_i, velocities V_i and
+accelerations A_i of an interval of length h:
+
+    Q_i = q_0 + h sum a_ij V_j,   V_i = v_0 + h sum a_ij A_j,   d/dt dL/dv - dL/dq = Q(Q_i, V_i, u)
+    q_1 = q_0 + h sum b_j V_j,    v_1 = v_0 + h sum b_j A_j
+
+Stages that coincide with a node use the node's unknowns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+
+from benchbench.dynamics import Grid, Node, Trajectory
+from benchbench.model import Model
+from benchbench.mpcc import Block, Mpcc, Slot, Variable, rows
+from benchbench.plan import Array, Plan
+from benchbench.scenario import Scenario
+from benchbench.tableau import Tableau
+from benchbench.transcription import NodalTrajectory, cost, durations, nodal_variables, total_time
+
+Inputs = Literal["interval", "linear"]
+
+
+def transcribe(
+    tableau: Tableau, inputs: Inputs, scenario: Scenario, model: Model, grid: Grid
+) -> tuple[Mpcc, Trajectory]:
+    """Return nodes, stages, their equations and the cost of a scenario.
+
+    inputs "interval": one held input per interval; "linear": nodal inputs, linear in between.
+    """
+    held = inputs == "interval"
+    input_rows = grid.intervals + (not held)
+    stages = Stages(tableau, grid, len(model.configuration.names))
+    variables = nodal_variables(scenario, model, grid, input_rows) + tuple(
+        _stage_variables(stages, scenario, model)
+    )
+    constraints = (*_quadrature(stages), *_euler_lagrange(stages, model, held))
+    mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, input_rows)) + total_time(scenario, grid)
+    return mpcc, StageTrajectory(NodalTrajectory(grid, model, "hold" if held else "linear"), stages)
+
+
+@dataclass(frozen=True)
+class Stages:
+    """Where the unknowns of stage i of interval k are; `n` is the number of coordinates."""
+
+    tableau: Tableau
+    grid: Grid
+    n: int
+
+    @property
+    def inner(self) -> list[int]:
+        """Stages that have unknowns of their own."""
+        first, last = int(self.tableau.starts_at_node), self.tableau.stages - int(self.tableau.ends_at_node)
+        return list(range(first, last))
+
+    def state(self, name: Literal["q", "v"], i: int) -> Slot:
+        """Q_i or V_i of every interval."""
+        intervals = range(self.grid.intervals)
+        if i in self.inner:
+            place, count = self.inner.index(i), len(self.inner)
+            return rows(f"{name}_stage", self.n, [k * count + place for k in intervals])
+        return rows(name, self.n, [k + (i > 0) for k in intervals])
+
+    def acceleration(self, i: int) -> Slot:
+        """A_i of every interval."""
+        return rows("a_stage", self.n, [k * self.tableau.stages + i for k in range(self.grid.intervals)])
+
+
+@dataclass(frozen=True)
+class StageTrajectory:
+    """A nodal trajectory whose guesses fill the stages too."""
+
+    nodal: NodalTrajectory
+    stages: Stages
+
+    @property
+    def grid(self) -> Grid:
+        """The time axis."""
+        return self.nodal.grid
+
+    @property
+    def node(self) -> Node:
+        """Expressions of a node."""
+        return self.nodal.node
+
+    def slots(self, nodes: Sequence[int]) -> tuple[Slot, ...]:
+        """Unknowns of `node.z`."""
+        return self.nodal.slots(nodes)
+
+    def parameters(self, nodes: Sequence[int]) -> Array:
+        """Numbers of each node."""
+        return self.nodal.parameters(nodes)
+
+    def decode(self, values: dict[str, Array], progress: Array) -> Plan:
+        """Turn named values into a plan of the nodes."""
+        return self.nodal.decode(values, progress)
+
+    def encode(self, plan: Plan) -> dict[str, Array]:
+        """Interpolate the plan at nodes and stages."""
+        values = self.nodal.encode(plan)
+        time = self.grid.time_weights @ values["T"].ravel()
+        h, c = np.diff(time)[:, None], self.stages.tableau.c
+        at = (time[:-1, None] + h * c[self.stages.inner]).ravel()
+        for name in ("q", "v"):
+            columns = [np.interp(at, time, column) for column in values[name].T]
+            values[f"{name}_stage"] = np.stack(columns, axis=-1)
+        slope = np.diff(values["v"], axis=0) / h
+        values["a_stage"] = np.repeat(slope, self.stages.tableau.stages, axis=0)
+        return values
+
+
+def _stage_variables(stages: Stages, scenario: Scenario, model: Model) -> Iterator[Variable]:
+    count = stages.grid.intervals * len(stages.inner)
+    if count:
+        for name, limits in (("q", scenario.limits(model)), ("v", scenario.planned_rates(model))):
+            low, high = (np.tile(b, (count, 1)) for b in (limits.lower, limits.upper))
+            yield Variable(f"{name}_stage", low, high, np.clip(np.zeros_like(low), low, high))
+    free = np.full((stages.grid.intervals * stages.tableau.stages, stages.n), np.inf)
+    yield Variable("a_stage", -free, free, np.zeros_like(free))
+
+
+def _quadrature(stages: Stages) -> Iterator[Block]:
+    """State equations of inner stages and of the right node, separately for each stage and for q and v."""
+    a, b, inner = stages.tableau.a, stages.tableau.b, stages.inner
+    every = range(stages.tableau.stages)
+    ends = [(f"stage_{i}", a[i], lambda name, i=i: stages.state(name, i)) for i in inner]
+    right = range(1, stages.grid.intervals + 1)
+    ends.append(("node", b, lambda name: rows(name, stages.n, right)))
+    for label, weights, end in ends:
+        used = [j for j in every if weights[j] != 0.0]
+        chosen = weights[used]
+        for name, slopes in (
+            ("q", [stages.state("v", j) for j in used]),
+            ("v", [stages.acceleration(j) for j in used]),
+        ):
+            yield _weighted_sum(f"{name}_{label}", stages, name, end(name), slopes, chosen)
+
+
+def _weighted_sum(
+    name: str, stages: Stages, start: str, end: Slot, slopes: list[Slot], weights: Array
+) -> Block:
+    """Row end - start - h sum w_j slope_j = 0; the weights are parameters, one function serves all methods."""
+    n, m, phases, count = stages.n, len(slopes), len(stages.grid.phases), stages.grid.intervals
+    first, last, slope = ca.SX.sym("first", n), ca.SX.sym("last", n), ca.SX.sym("slope", n, m)
+    duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases + m)
+    gap = last - first - ca.dot(p[:phases], duration) * (slope @ p[phases:])
+    z = ca.vertcat(first, last, ca.vec(slope), duration)
+    function = ca.Function(f"quadrature_{m}", [z, p, ca.SX.sym("sigma")], [gap])
+    numbers = np.hstack([stages.grid.step_weights, np.tile(weights, (count, 1))])
+    slots = (rows(start, n, range(count)), end, *slopes, durations(stages.grid, count))
+    zero = np.zeros((count, n))
+    return Block(name, function, slots, numbers, zero, zero, "m, rad" if start == "q" else "m/s, rad/s")
+
+
+def _euler_lagrange(stages: Stages, model: Model, held: bool) -> Iterator[Block]:
+    """d/dt dL/dv - dL/dq - Q = 0 at every stage of every interval; p is the stage's place c_i."""
+    n, n_u, count = stages.n, len(model.inputs.names), stages.grid.intervals
+    q, v, a = (ca.SX.sym(k, n) for k in "qva")
+    u = [ca.SX.sym(f"u{i}", n_u) for i in range(1 if held else 2)]
+    c = ca.SX.sym("c", 1)
+    lagrangian = model.lagrangian(q, v)
+    momentum = ca.gradient(lagrangian, v)
+    here = u[0] if held else u[0] + c * (u[1] - u[0])
+    rate = ca.jtimes(momentum, q, v) + ca.jtimes(momentum, v, a)
+    residual = rate - ca.gradient(lagrangian, q) - model.force(q, v, here)
+    function = ca.Function("euler_lagrange", [ca.vertcat(q, v, a, *u), c, ca.SX.sym("sigma")], [residual])
+    inputs = [rows("u", n_u, [k + j for k in range(count)]) for j in range(len(u))]
+    zero = np.zeros((count, n))
+    for i, place in enumerate(stages.tableau.c):
+        slots = (stages.state("q", i), stages.state("v", i), stages.acceleration(i), *inputs)
+        yield Block(f"euler_lagrange_{i}", function, slots, np.full((count, 1), place), zero, zero, "N, N m")

@@ -1,0 +1,104 @@
+"""What variational integrators in two-point form have in common: from a discrete Lagrangian to rows.
+
+With nodal velocities as unknowns the discrete Legendre transforms (paper Eq. 17) give two rows per interval:
+
+    leaving node k:      dL/dv(q_k, v_k)         + D_1 L_d + f^-  = 0
+    arriving at k + 1:   dL/dv(q_{k+1}, v_{k+1}) - D_2 L_d - f^+  = 0
+
+Eliminating v gives the forced discrete Euler-Lagrange equations and boundary conditions (paper Eq. 16, 19).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+
+from benchbench.dynamics import Grid, Trajectory
+from benchbench.model import Coordinates, Model
+from benchbench.mpcc import Block, Mpcc
+from benchbench.scenario import Scenario
+from benchbench.transcription import (
+    NodalTrajectory,
+    Velocities,
+    cost,
+    each_interval,
+    nodal_variables,
+    total_time,
+)
+
+Inputs = Literal["interval", "nodal", "averaged"]
+
+
+@dataclass(frozen=True)
+class Discrete:
+    """One interval: D_1 L_d and D_2 L_d (n_q,), and where the discrete forces are taken.
+
+    `left`, `right` are (q, v) pairs; the forces are f^- = h/2 Q(left, u), f^+ = h/2 Q(right, u).
+    """
+
+    d1: ca.SX
+    d2: ca.SX
+    left: tuple[ca.SX, ca.SX]
+    right: tuple[ca.SX, ca.SX]
+
+
+Gradient = Callable[[ca.SX, ca.SX], ca.SX]
+Rule = Callable[[Gradient, Gradient, ca.SX, ca.SX, ca.SX, ca.SX, ca.SX], Discrete]
+"""(dL/dv, dL/dq, q_0, v_0, q_1, v_1, h) -> Discrete."""
+
+
+def transcribe(
+    name: str, rule: Rule, inputs: Inputs, velocity: Velocities, scenario: Scenario, model: Model, grid: Grid
+) -> tuple[Mpcc, Trajectory]:
+    """Return variables, Legendre rows, cost (and mean-velocity limits) of a scenario."""
+    held = inputs == "interval"
+    input_rows = grid.intervals + (not held)
+    variables = nodal_variables(scenario, model, grid, input_rows, velocity == "nodal")
+    rows = _legendre_rows(model, rule, inputs)
+    legendre = each_interval(name, grid, model, 1 if held else 2, rows, "kg m/s, kg m^2/s")
+    limits = () if velocity == "nodal" else (_mean_limits(scenario.planned_rates(model), model, grid),)
+    mpcc = Mpcc(variables, (legendre, *limits), cost(scenario, model, grid, input_rows))
+    trajectory = NodalTrajectory(grid, model, "hold" if held else "linear", velocity)
+    return mpcc + total_time(scenario, grid), trajectory
+
+
+def _legendre_rows(model: Model, rule: Rule, inputs: Inputs) -> Callable[..., ca.SX]:
+    momentum, slope = _lagrangian_gradients(model)
+
+    def rows(q0: ca.SX, v0: ca.SX, q1: ca.SX, v1: ca.SX, *rest: ca.SX) -> ca.SX:
+        *u, h = rest
+        one = rule(momentum, slope, q0, v0, q1, v1, h)
+        left, right = model.force(*one.left, u[0]), model.force(*one.right, u[-1])
+        if inputs == "averaged":
+            left = right = (left + right) / 2
+        leaving = momentum(q0, v0) + one.d1 + h / 2 * left
+        arriving = momentum(q1, v1) - one.d2 - h / 2 * right
+        return ca.vertcat(leaving, arriving)
+
+    return rows
+
+
+def _lagrangian_gradients(model: Model) -> tuple[Gradient, Gradient]:
+    n = len(model.configuration.names)
+    q, v = ca.SX.sym("q", n), ca.SX.sym("v", n)
+    lagrangian = model.lagrangian(q, v)
+    return (
+        ca.Function("momentum", [q, v], [ca.gradient(lagrangian, v)]),
+        ca.Function("slope", [q, v], [ca.gradient(lagrangian, q)]),
+    )
+
+
+def _mean_limits(limits: Coordinates, model: Model, grid: Grid) -> Block:
+    """q_1 - q_0 - h v_max <= 0 and q_0 - q_1 + h v_min <= 0 on every interval (paper Eq. 22)."""
+    finite = np.flatnonzero(np.isfinite(limits.upper)).tolist()
+    low, high = ca.DM(limits.lower[finite]), ca.DM(limits.upper[finite])
+
+    def rule(q0: ca.SX, v0: ca.SX, q1: ca.SX, v1: ca.SX, u: ca.SX, h: ca.SX) -> ca.SX:
+        step = (q1 - q0)[finite]
+        return ca.vertcat(step - h * high, h * low - step)
+
+    return each_interval("mean_velocity", grid, model, 1, rule, "m, rad", (-np.inf, 0.0))

@@ -1,0 +1,34 @@
+"""Hermite-Simpson collocation in separated form (Hargraves & Paris 1987, doi:10.2514/3.20223)."""
+
+from __future__ import annotations
+
+from typing import final
+
+from pydantic.dataclasses import dataclass
+
+from benchbench.dynamics import Dynamics, Grid, Trajectory
+from benchbench.model import Model
+from benchbench.mpcc import Mpcc
+from benchbench.runge_kutta import Inputs, transcribe
+from benchbench.scenario import Scenario
+from benchbench.tableau import HERMITE_SIMPSON
+
+
+@final
+@dataclass(frozen=True)
+class HermiteSimpson(Dynamics):
+    """Lobatto IIIA with three stages: nodes and midpoint; limits hold at all of them.
+
+    inputs "interval": one held input per interval; "linear": nodal inputs, linear in between.
+    """
+
+    inputs: Inputs = "linear"
+
+    @property
+    def order(self) -> int:
+        """Fourth order."""
+        return 4
+
+    def transcribe(self, scenario: Scenario, model: Model, grid: Grid) -> tuple[Mpcc, Trajectory]:
+        """Return nodes, stages, their equations and the cost."""
+        return transcribe(HERMITE_SIMPSON, self.inputs, scenario, model, grid)
