@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import casadi as ca
 import numpy as np
@@ -36,6 +36,13 @@ class Condition:
     h: ca.SX
     unit: str
     limit: tuple[float, ...] | None = None
+
+    def tightened(self, margin: float) -> Condition:
+        """The same condition for the limit (1 - margin) * limit; needs h of that form."""
+        if self.limit is None or margin == 0.0:
+            return self
+        h = (self.h + 1) / (1 - margin) ** 2 - 1
+        return Condition(h, self.unit, tuple(limit * (1 - margin) for limit in self.limit))
 
 
 class Contact(ABC):
@@ -64,12 +71,16 @@ Contacts = Mapping[str, Contact]
 
 @dataclass(frozen=True)
 class Coupling:
-    """Contacts of one event, bound to a model, a target motion and a transcription."""
+    """Contacts of one event, bound to a model, a target motion and a transcription.
+
+    `margins` by contact name: share of the limit that the planner leaves unused.
+    """
 
     contacts: Contacts
     model: Model
     motion: Motion
     trajectory: Trajectory
+    margins: Mapping[str, float] = field(default_factory=dict)
 
     def by_progress(self, kappa_init: int) -> Mpcc:
         """Progress variables and vanishing pairs: epsilon_k > 0 only where every condition holds.
@@ -122,6 +133,7 @@ class Coupling:
             if contact.always != always:
                 continue
             condition = contact.condition(self.model, node, Target(position, velocity))
+            condition = condition.tightened(self.margins.get(name, 0.0))
             h = ca.substitute(condition.h, node.p, p[: node.p.shape[0]])
             function = ca.Function(f"contact_{name}", [node.z, p, ca.SX.sym("sigma")], [h])
             m = len(nodes)

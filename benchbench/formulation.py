@@ -60,7 +60,7 @@ def phases(case: Case, start: Plan) -> Problem:
     """
     grid = phase_grid(case, start.travel_time)
     base, trajectory = case.dynamics.transcribe(case.scenario, case.model, grid)
-    coupling = Coupling(case.scenario.contacts, case.model, case.scenario.target, trajectory)
+    coupling = _coupling(case, trajectory)
     nodes = tuple(grid.nodes("contact")) if len(grid.phases) == 3 else (grid.phases[0].intervals,)
     mpcc = base.start_from(trajectory.encode(start)) + coupling.at_nodes(nodes)
     if len(grid.phases) == 3 and case.scenario.contact_seconds is None:
@@ -100,8 +100,12 @@ def _flight(case: Case, start: Plan) -> tuple[Mpcc, Trajectory, Coupling]:
     scenario = case.scenario
     grid = Grid((Phase("flight", scenario.intervals, *scenario.travel_time, start.travel_time),))
     base, trajectory = case.dynamics.transcribe(scenario, case.model, grid)
-    coupling = Coupling(scenario.contacts, case.model, scenario.target, trajectory)
-    return base.start_from(trajectory.encode(start)), trajectory, coupling
+    return base.start_from(trajectory.encode(start)), trajectory, _coupling(case, trajectory)
+
+
+def _coupling(case: Case, trajectory: Trajectory) -> Coupling:
+    scenario = case.scenario
+    return Coupling(scenario.contacts, case.model, scenario.target, trajectory, scenario.contact_margin)
 
 
 def _average_steps(grid: Grid, steps: int) -> Mpcc:

@@ -29,6 +29,8 @@ from benchbench.tableau import Tableau
 from benchbench.transcription import NodalTrajectory, cost, durations, nodal_variables, total_time
 
 Inputs = Literal["interval", "linear"]
+State = Literal["q", "v"]
+_STATES: tuple[State, State] = ("q", "v")
 
 
 def transcribe(
@@ -63,7 +65,7 @@ class Stages:
         first, last = int(self.tableau.starts_at_node), self.tableau.stages - int(self.tableau.ends_at_node)
         return list(range(first, last))
 
-    def state(self, name: Literal["q", "v"], i: int) -> Slot:
+    def state(self, name: State, i: int) -> Slot:
         """Q_i or V_i of every interval."""
         intervals = range(self.grid.intervals)
         if i in self.inner:
@@ -111,7 +113,7 @@ class StageTrajectory:
         time = self.grid.time_weights @ values["T"].ravel()
         h, c = np.diff(time)[:, None], self.stages.tableau.c
         at = (time[:-1, None] + h * c[self.stages.inner]).ravel()
-        for name in ("q", "v"):
+        for name in _STATES:
             columns = [np.interp(at, time, column) for column in values[name].T]
             values[f"{name}_stage"] = np.stack(columns, axis=-1)
         slope = np.diff(values["v"], axis=0) / h
@@ -131,35 +133,28 @@ def _stage_variables(stages: Stages, scenario: Scenario, model: Model) -> Iterat
 
 def _quadrature(stages: Stages) -> Iterator[Block]:
     """State equations of inner stages and of the right node, separately for each stage and for q and v."""
-    a, b, inner = stages.tableau.a, stages.tableau.b, stages.inner
-    every = range(stages.tableau.stages)
-    ends = [(f"stage_{i}", a[i], lambda name, i=i: stages.state(name, i)) for i in inner]
+    a, b = stages.tableau.a, stages.tableau.b
     right = range(1, stages.grid.intervals + 1)
-    ends.append(("node", b, lambda name: rows(name, stages.n, right)))
-    for label, weights, end in ends:
-        used = [j for j in every if weights[j] != 0.0]
-        chosen = weights[used]
-        for name, slopes in (
-            ("q", [stages.state("v", j) for j in used]),
-            ("v", [stages.acceleration(j) for j in used]),
-        ):
-            yield _weighted_sum(f"{name}_{label}", stages, name, end(name), slopes, chosen)
+    for name in _STATES:
+        for i in stages.inner:
+            yield _weighted_sum(f"{name}_stage_{i}", stages, name, stages.state(name, i), a[i])
+        yield _weighted_sum(f"{name}_node", stages, name, rows(name, stages.n, right), b)
 
 
-def _weighted_sum(
-    name: str, stages: Stages, start: str, end: Slot, slopes: list[Slot], weights: Array
-) -> Block:
+def _weighted_sum(name: str, stages: Stages, state: State, end: Slot, weights: Array) -> Block:
     """Row end - start - h sum w_j slope_j = 0; the weights are parameters, one function serves all methods."""
-    n, m, phases, count = stages.n, len(slopes), len(stages.grid.phases), stages.grid.intervals
+    used = [j for j, weight in enumerate(weights) if weight != 0.0]
+    slopes = [stages.state("v", j) if state == "q" else stages.acceleration(j) for j in used]
+    n, m, phases, count = stages.n, len(used), len(stages.grid.phases), stages.grid.intervals
     first, last, slope = ca.SX.sym("first", n), ca.SX.sym("last", n), ca.SX.sym("slope", n, m)
     duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases + m)
     gap = last - first - ca.dot(p[:phases], duration) * (slope @ p[phases:])
     z = ca.vertcat(first, last, ca.vec(slope), duration)
     function = ca.Function(f"quadrature_{m}", [z, p, ca.SX.sym("sigma")], [gap])
-    numbers = np.hstack([stages.grid.step_weights, np.tile(weights, (count, 1))])
-    slots = (rows(start, n, range(count)), end, *slopes, durations(stages.grid, count))
+    numbers = np.hstack([stages.grid.step_weights, np.tile(weights[used], (count, 1))])
+    slots = (rows(state, n, range(count)), end, *slopes, durations(stages.grid, count))
     zero = np.zeros((count, n))
-    return Block(name, function, slots, numbers, zero, zero, "m, rad" if start == "q" else "m/s, rad/s")
+    return Block(name, function, slots, numbers, zero, zero, "m, rad" if state == "q" else "m/s, rad/s")
 
 
 def _euler_lagrange(stages: Stages, model: Model, held: bool) -> Iterator[Block]:

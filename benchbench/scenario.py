@@ -43,6 +43,7 @@ class Scenario(BaseModel):
     workspace          limits of coordinates by name that belong to the room, not to the vehicle
     rate_margin        share of a velocity limit that the planner leaves unused, by coordinate name: a
                        transcription keeps limits at its nodes, and the plan is judged by what is flown
+    contact_margin     the same for the limits of contacts, by contact name
     hover_ends         first and last input equal hover (authors' public demo; not in the paper)
     """
 
@@ -62,6 +63,7 @@ class Scenario(BaseModel):
     input_cost: NonNegative = 3e-3
     workspace: dict[str, Range] = Field(default_factory=dict)
     rate_margin: dict[str, Annotated[float, Field(ge=0, lt=1)]] = Field(default_factory=dict)
+    contact_margin: dict[str, Annotated[float, Field(ge=0, lt=1)]] = Field(default_factory=dict)
     hover_ends: bool = False
 
     @model_validator(mode="before")

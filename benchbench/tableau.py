@@ -68,11 +68,13 @@ def collocation(degree: int, points: Points) -> Tableau:
         inner = roots_jacobi(degree - 1, 1, 0)[0] if degree > 1 else np.zeros(0)
         c, order = np.append((1 + inner) / 2, 1.0), 2 * degree - 1
     powers = np.arange(degree)
+    c = np.asarray(c, dtype=np.float64)
     vandermonde = c[:, None] ** powers
     integrals = c[:, None] ** (powers + 1) / (powers + 1)
-    a = np.linalg.solve(vandermonde.T, integrals.T).T
-    b = np.linalg.solve(vandermonde.T, 1 / (powers + 1))
-    return Tableau(a, b, c, order)
+    weights = np.linalg.solve(vandermonde.T, np.column_stack([integrals.T, 1 / (powers + 1)])).T.astype(
+        np.float64
+    )
+    return Tableau(weights[:-1], weights[-1], c, order)
 
 
 def composed(one: Tableau, steps: int) -> Tableau:
