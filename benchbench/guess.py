@@ -44,6 +44,6 @@ def straight_line(case: Case) -> Plan:
     progress[first : first + scenario.kappa_init] = 1.0
     c, u = model.configuration, model.inputs
     return Plan(
-        time, q, np.zeros_like(q), np.tile(model.hover(), (n, 1)), progress, "hold",
+        time, q, np.gradient(q, time, axis=0), np.tile(model.hover(), (n, 1)), progress, "hold",
         c.names, c.units, u.names, u.units,
     )  # fmt: skip

@@ -3,10 +3,13 @@
 Stage states and accelerations are unknowns of their own, so that the Euler-Lagrange equations are one small
 function mapped over all stages of all intervals, no mass matrix is ever inverted, and limits hold at the
 stages as plain bounds (no exploiting the inside of a step). With stage positions Q_i, velocities V_i and
-accelerations A_i of an interval of length h:
+accelerations W_i / h of an interval of length h:
 
-    Q_i = q_0 + h sum a_ij V_j,   V_i = v_0 + h sum a_ij A_j,   d/dt dL/dv - dL/dq = Q(Q_i, V_i, u)
-    q_1 = q_0 + h sum b_j V_j,    v_1 = v_0 + h sum b_j A_j
+    Q_i = q_0 + h sum a_ij V_j,   V_i = v_0 + sum a_ij W_j,   h (d/dt dL/dv - dL/dq - Q(Q_i, V_i, u)) = 0
+    q_1 = q_0 + h sum b_j V_j,    v_1 = v_0 + sum b_j W_j
+
+Increments W = h A have the size of velocities and the equations that of momenta; with A itself and forces,
+which reach hundreds, IPOPT crept along for ten times as many iterations.
 
 Stages that coincide with a node use the node's unknowns.
 """
@@ -73,9 +76,9 @@ class Stages:
             return rows(f"{name}_stage", self.n, [k * count + place for k in intervals])
         return rows(name, self.n, [k + (i > 0) for k in intervals])
 
-    def acceleration(self, i: int) -> Slot:
-        """A_i of every interval."""
-        return rows("a_stage", self.n, [k * self.tableau.stages + i for k in range(self.grid.intervals)])
+    def increment(self, i: int) -> Slot:
+        """W_i of every interval."""
+        return rows("w_stage", self.n, [k * self.tableau.stages + i for k in range(self.grid.intervals)])
 
 
 @dataclass(frozen=True)
@@ -116,8 +119,7 @@ class StageTrajectory:
         for name in _STATES:
             columns = [np.interp(at, time, column) for column in values[name].T]
             values[f"{name}_stage"] = np.stack(columns, axis=-1)
-        slope = np.diff(values["v"], axis=0) / h
-        values["a_stage"] = np.repeat(slope, self.stages.tableau.stages, axis=0)
+        values["w_stage"] = np.repeat(np.diff(values["v"], axis=0), self.stages.tableau.stages, axis=0)
         return values
 
 
@@ -128,7 +130,7 @@ def _stage_variables(stages: Stages, scenario: Scenario, model: Model) -> Iterat
             low, high = (np.tile(b, (count, 1)) for b in (limits.lower, limits.upper))
             yield Variable(f"{name}_stage", low, high, np.clip(np.zeros_like(low), low, high))
     free = np.full((stages.grid.intervals * stages.tableau.stages, stages.n), np.inf)
-    yield Variable("a_stage", -free, free, np.zeros_like(free))
+    yield Variable("w_stage", -free, free, np.zeros_like(free))
 
 
 def _quadrature(stages: Stages) -> Iterator[Block]:
@@ -142,35 +144,51 @@ def _quadrature(stages: Stages) -> Iterator[Block]:
 
 
 def _weighted_sum(name: str, stages: Stages, state: State, end: Slot, weights: Array) -> Block:
-    """Row end - start - h sum w_j slope_j = 0; the weights are parameters, one function serves all methods."""
+    """Row end - start - sum w_j slope_j = 0, times h for q; weights are parameters: one function for all methods."""
     used = [j for j, weight in enumerate(weights) if weight != 0.0]
-    slopes = [stages.state("v", j) if state == "q" else stages.acceleration(j) for j in used]
+    slopes = [stages.state("v", j) if state == "q" else stages.increment(j) for j in used]
     n, m, phases, count = stages.n, len(used), len(stages.grid.phases), stages.grid.intervals
     first, last, slope = ca.SX.sym("first", n), ca.SX.sym("last", n), ca.SX.sym("slope", n, m)
+    start = rows(state, n, range(count))
+    zero = np.zeros((count, n))
+    numbers = np.tile(weights[used], (count, 1))
+    if state == "v":
+        p = ca.SX.sym("p", m)
+        z = ca.vertcat(first, last, ca.vec(slope))
+        function = ca.Function(f"increment_{m}", [z, p, ca.SX.sym("sigma")], [last - first - slope @ p])
+        return Block(name, function, (start, end, *slopes), numbers, zero, zero, "m/s, rad/s")
     duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases + m)
     gap = last - first - ca.dot(p[:phases], duration) * (slope @ p[phases:])
     z = ca.vertcat(first, last, ca.vec(slope), duration)
     function = ca.Function(f"quadrature_{m}", [z, p, ca.SX.sym("sigma")], [gap])
-    numbers = np.hstack([stages.grid.step_weights, np.tile(weights[used], (count, 1))])
-    slots = (rows(state, n, range(count)), end, *slopes, durations(stages.grid, count))
-    zero = np.zeros((count, n))
-    return Block(name, function, slots, numbers, zero, zero, "m, rad" if state == "q" else "m/s, rad/s")
+    slots = (start, end, *slopes, durations(stages.grid, count))
+    return Block(name, function, slots, np.hstack([stages.grid.step_weights, numbers]), zero, zero, "m, rad")
 
 
 def _euler_lagrange(stages: Stages, model: Model, held: bool) -> Iterator[Block]:
-    """d/dt dL/dv - dL/dq - Q = 0 at every stage of every interval; p is the stage's place c_i."""
-    n, n_u, count = stages.n, len(model.inputs.names), stages.grid.intervals
-    q, v, a = (ca.SX.sym(k, n) for k in "qva")
+    """H (d/dt dL/dv - dL/dq - Q) = 0 at every stage of every interval; p = [step weights, c_i]."""
+    n, n_u, count, phases = stages.n, len(model.inputs.names), stages.grid.intervals, len(stages.grid.phases)
+    q, v, w = (ca.SX.sym(k, n) for k in "qvw")
     u = [ca.SX.sym(f"u{i}", n_u) for i in range(1 if held else 2)]
-    c = ca.SX.sym("c", 1)
+    duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases + 1)
+    h, c = ca.dot(p[:phases], duration), p[phases]
     lagrangian = model.lagrangian(q, v)
     momentum = ca.gradient(lagrangian, v)
     here = u[0] if held else u[0] + c * (u[1] - u[0])
-    rate = ca.jtimes(momentum, q, v) + ca.jtimes(momentum, v, a)
-    residual = rate - ca.gradient(lagrangian, q) - model.force(q, v, here)
-    function = ca.Function("euler_lagrange", [ca.vertcat(q, v, a, *u), c, ca.SX.sym("sigma")], [residual])
+    bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q) - model.force(q, v, here)
+    residual = ca.jtimes(momentum, v, w) + h * bias
+    function = ca.Function(
+        "euler_lagrange", [ca.vertcat(q, v, w, *u, duration), p, ca.SX.sym("sigma")], [residual]
+    )
     inputs = [rows("u", n_u, [k + j for k in range(count)]) for j in range(len(u))]
     zero = np.zeros((count, n))
     for i, place in enumerate(stages.tableau.c):
-        slots = (stages.state("q", i), stages.state("v", i), stages.acceleration(i), *inputs)
-        yield Block(f"euler_lagrange_{i}", function, slots, np.full((count, 1), place), zero, zero, "N, N m")
+        slots = (
+            stages.state("q", i),
+            stages.state("v", i),
+            stages.increment(i),
+            *inputs,
+            durations(stages.grid, count),
+        )
+        numbers = np.hstack([stages.grid.step_weights, np.full((count, 1), place)])
+        yield Block(f"euler_lagrange_{i}", function, slots, numbers, zero, zero, "kg m/s, kg m^2/s")
