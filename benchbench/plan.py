@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from math import comb
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-Interpolation = Literal["hold", "linear"]
+Interpolation = Literal["hold", "linear", "bezier"]
 
 
 @dataclass(frozen=True)
@@ -22,7 +23,9 @@ class Plan:
     configuration  (N+1, n_q) generalised coordinates q in `coordinate_units`
     velocity       (N+1, n_q) nodal velocities dq/dt, per second
     inputs         (N, n_u) when `interpolation` is "hold" (row k acts on [t_k, t_{k+1}));
-                   (N+1, n_u) when it is "linear" (row k is the value at t_k)
+                   (N+1, n_u) when it is "linear" (row k is the value at t_k);
+                   (N d, n_u) when it is "bezier": d control points per interval, a polynomial of degree
+                   d - 1 in each, which stays within the bounds of its control points
     progress       (N+1,) progress index epsilon_k in [0, 1] at each node (last entry 0 for DMCC plans);
                    epsilon_k > 0 claims that node k is in contact
     """
@@ -40,7 +43,10 @@ class Plan:
 
     def __post_init__(self) -> None:
         """Check the shapes against each other; raises ValueError naming the wrong one."""
-        nodes, rows = len(self.time), len(self.time) - (self.interpolation == "hold")
+        nodes = len(self.time)
+        rows = {"hold": nodes - 1, "linear": nodes}.get(self.interpolation, len(self.inputs))
+        if rows % (nodes - 1) and self.interpolation == "bezier":
+            raise ValueError(f"plan.inputs has {rows} control points for {nodes - 1} intervals")
         wanted = {
             "configuration": (nodes, len(self.coordinate_names)),
             "velocity": (nodes, len(self.coordinate_names)),
@@ -61,9 +67,35 @@ class Plan:
         """Travel time t_N in seconds."""
         return float(self.time[-1])
 
+    @property
+    def input_pieces(self) -> Array:
+        """Control points of the input in each interval, shape (N, d, n_u); d = 1 is held, d = 2 linear."""
+        if self.interpolation == "linear":
+            return np.stack([self.inputs[:-1], self.inputs[1:]], axis=1)
+        return self.inputs.reshape(self.intervals, -1, len(self.input_names))
+
+    @property
+    def input_times(self) -> Array:
+        """Times to show the rows of `inputs` at, in s."""
+        if self.interpolation == "linear":
+            return self.time
+        count = len(self.inputs) // self.intervals
+        share = np.linspace(0.0, 1.0, count) if count > 1 else np.zeros(1)
+        return np.asarray(self.time[:-1, None] + np.diff(self.time)[:, None] * share).ravel()
+
     def input_at(self, time: Array) -> Array:
         """Return the inputs at the given times, shape (len(time), n_u), interpolated as declared."""
-        if self.interpolation == "hold":
-            row = np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, self.intervals - 1)
-            return np.asarray(self.inputs[row])
-        return np.stack([np.interp(time, self.time, column) for column in self.inputs.T], axis=-1)
+        k = np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, self.intervals - 1)
+        share = np.clip((time - self.time[k]) / np.diff(self.time)[k], 0.0, 1.0)
+        return bezier(self.input_pieces[k], share)
+
+
+def bernstein(count: int, s: Any) -> list[Any]:
+    """Return the `count` Bernstein polynomials of degree count - 1 at s in [0, 1], numbers or symbols."""
+    return [comb(count - 1, j) * s**j * (1 - s) ** (count - 1 - j) for j in range(count)]
+
+
+def bezier(points: Array, s: Array | float) -> Array:
+    """Values (..., n) of Bezier curves with control points (..., d, n) at s (...,) in [0, 1]."""
+    weights = np.stack(np.broadcast_arrays(*bernstein(points.shape[-2], np.asarray(s, float))), axis=-1)
+    return np.asarray(np.sum(weights[..., None] * points, axis=-2))

@@ -26,12 +26,13 @@ import numpy as np
 from benchbench.dynamics import Grid, Node, Trajectory
 from benchbench.model import Model
 from benchbench.mpcc import Block, Mpcc, Slot, Variable, rows
-from benchbench.plan import Array, Plan
+from benchbench.plan import Array, Interpolation, Plan, bernstein
 from benchbench.scenario import Scenario
 from benchbench.tableau import Tableau
 from benchbench.transcription import NodalTrajectory, cost, durations, nodal_variables, total_time
 
-Inputs = Literal["interval", "linear"]
+Inputs = Literal["interval", "linear", "polynomial"]
+INTERPOLATION: dict[Inputs, Interpolation] = {"interval": "hold", "linear": "linear", "polynomial": "bezier"}
 State = Literal["q", "v"]
 _STATES: tuple[State, State] = ("q", "v")
 
@@ -41,17 +42,24 @@ def transcribe(
 ) -> tuple[Mpcc, Trajectory]:
     """Return nodes, stages, their equations and the cost of a scenario.
 
-    inputs "interval": one held input per interval; "linear": nodal inputs, linear in between.
+    inputs "interval": one held input per interval; "linear": nodal inputs, linear in between; "polynomial": one
+    polynomial per interval with as many coefficients as stages, bounded by its Bezier control points.
     """
-    held = inputs == "interval"
-    input_rows = grid.intervals + (not held)
+    points = {"interval": 1, "linear": 2}.get(inputs, tableau.stages)
+    every = grid.intervals + 1 if inputs == "linear" else grid.intervals * points
     stages = Stages(tableau, grid, len(model.configuration.names))
-    variables = nodal_variables(scenario, model, grid, input_rows) + tuple(
+    variables = nodal_variables(scenario, model, grid, every) + tuple(
         _stage_variables(stages, scenario, model)
     )
-    constraints = (*_quadrature(stages), *_euler_lagrange(stages, model, held))
-    mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, input_rows)) + total_time(scenario, grid)
-    return mpcc, StageTrajectory(NodalTrajectory(grid, model, "hold" if held else "linear"), stages)
+    stride = 1 if inputs == "linear" else points
+    controls = [
+        rows("u", len(model.inputs.names), range(j, j + stride * grid.intervals, stride))
+        for j in range(points)
+    ]
+    constraints = (*_quadrature(stages), *_euler_lagrange(stages, model, controls))
+    mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, every)) + total_time(scenario, grid)
+    nodal = NodalTrajectory(grid, model, INTERPOLATION[inputs], control_points=points)
+    return mpcc, StageTrajectory(nodal, stages)
 
 
 @dataclass(frozen=True)
@@ -165,29 +173,28 @@ def _weighted_sum(name: str, stages: Stages, state: State, end: Slot, weights: A
     return Block(name, function, slots, np.hstack([stages.grid.step_weights, numbers]), zero, zero, "m, rad")
 
 
-def _euler_lagrange(stages: Stages, model: Model, held: bool) -> Iterator[Block]:
+def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Iterator[Block]:
     """H (d/dt dL/dv - dL/dq - Q) = 0 at every stage of every interval; p = [step weights, c_i]."""
     n, n_u, count, phases = stages.n, len(model.inputs.names), stages.grid.intervals, len(stages.grid.phases)
     q, v, w = (ca.SX.sym(k, n) for k in "qvw")
-    u = [ca.SX.sym(f"u{i}", n_u) for i in range(1 if held else 2)]
+    u = [ca.SX.sym(f"u{j}", n_u) for j in range(len(controls))]
     duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases + 1)
     h, c = ca.dot(p[:phases], duration), p[phases]
     lagrangian = model.lagrangian(q, v)
     momentum = ca.gradient(lagrangian, v)
-    here = u[0] if held else u[0] + c * (u[1] - u[0])
+    here = sum((weight * point for weight, point in zip(bernstein(len(u), c), u, strict=True)), ca.SX(0))
     bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q) - model.force(q, v, here)
     residual = ca.jtimes(momentum, v, w) + h * bias
     function = ca.Function(
         "euler_lagrange", [ca.vertcat(q, v, w, *u, duration), p, ca.SX.sym("sigma")], [residual]
     )
-    inputs = [rows("u", n_u, [k + j for k in range(count)]) for j in range(len(u))]
     zero = np.zeros((count, n))
     for i, place in enumerate(stages.tableau.c):
         slots = (
             stages.state("q", i),
             stages.state("v", i),
             stages.increment(i),
-            *inputs,
+            *controls,
             durations(stages.grid, count),
         )
         numbers = np.hstack([stages.grid.step_weights, np.full((count, 1), place)])

@@ -33,6 +33,7 @@ class NodalTrajectory:
     model: Model
     interpolation: Interpolation
     velocities: Velocities = "nodal"
+    control_points: int = 1
 
     @property
     def node(self) -> Node:
@@ -71,15 +72,18 @@ class NodalTrajectory:
         duration = np.array([phase.guess for phase in self.grid.phases])
         duration *= plan.travel_time / duration.sum()
         time = self.grid.time_weights @ duration
-        middle = (time[:-1] + time[1:]) / 2
         return {
             "q": _sample(plan.time, plan.configuration, time),
             "v": _sample(plan.time, plan.velocity, time),
-            "u": plan.input_at(
-                middle if self.interpolation == "hold" else np.minimum(time, plan.travel_time)
-            ),
+            "u": plan.input_at(self._input_times(time)),
             "T": duration[:, None],
         }
+
+    def _input_times(self, time: Array) -> Array:
+        if self.interpolation == "linear":
+            return time
+        share = np.linspace(0.0, 1.0, self.control_points) if self.control_points > 1 else np.array([0.5])
+        return np.asarray(time[:-1, None] + np.diff(time)[:, None] * share).ravel()
 
 
 def durations(grid: Grid, instances: int) -> Slot:
@@ -113,14 +117,19 @@ def nodal_variables(
 
 
 def cost(scenario: Scenario, model: Model, grid: Grid, input_rows: int) -> tuple[Block, ...]:
-    """t_N + c_u sum_k h_k |u_k - u_ref|^2 (paper Eq. 33, squared as in the authors' public demo code)."""
+    """t_N + c_u sum_k h_k |u_k - u_ref|^2 (paper Eq. 33, squared as in the authors' public demo code).
+
+    With several control points per interval each has its share of the step.
+    """
     phases, n_u = len(grid.phases), len(model.inputs.names)
     s = ca.SX.sym("sigma")
     duration = ca.SX.sym("T", phases)
     time = ca.Function("travel_time", [duration, ca.SX.sym("p", 0), s], [ca.sum1(duration)])
     u, weights, p = ca.SX.sym("u", n_u), ca.SX.sym("T", phases), ca.SX.sym("p", phases + 1 + n_u)
     effort = p[phases] * ca.dot(p[:phases], weights) * ca.sumsqr(u - p[phases + 1 :])
-    steps = grid.step_weights[np.minimum(np.arange(input_rows), grid.intervals - 1)]
+    per_interval = max(input_rows // grid.intervals, 1)
+    interval = np.minimum(np.arange(input_rows) // per_interval, grid.intervals - 1)
+    steps = grid.step_weights[interval] / per_interval
     constants = np.tile([scenario.input_cost, *model.hover()], (input_rows, 1))
     none = np.zeros((input_rows, 1))
     return (

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from benchbench.model import Plant
-from benchbench.plan import Array, Plan
+from benchbench.plan import Array, Plan, bezier
 
 TOLERANCE = 1e-10
 """Relative and absolute tolerance of a step, far below every limit of the certificate."""
@@ -57,8 +57,7 @@ class Replay:
 def defects(plan: Plan, plant: Plant) -> Defects:
     """Integrate all intervals at once, each from its planned state."""
     start = np.hstack([plan.configuration, plan.velocity])
-    left, right = _ends(plan)
-    rate = _rate(plant, np.diff(plan.time)[:, None], left, right)
+    rate = _rate(plant, np.diff(plan.time)[:, None], plan.input_pieces)
     end = _integrate(rate, start[:-1].ravel(), np.ones(1), EVALUATIONS)[0]
     missed = end.reshape(start[1:].shape) - start[1:]
     half = plan.configuration.shape[1]
@@ -72,14 +71,14 @@ def replay(plan: Plan, plant: Plant, samples: int = 10, restart_seconds: float |
     its multiples: an unstable vehicle cannot be flown open loop for long.
     """
     planned = np.hstack([plan.configuration, plan.velocity])
-    left, right = _ends(plan)
+    pieces = plan.input_pieces
     step, fractions = np.diff(plan.time), np.arange(1, samples + 1) / samples
     restarts = _restarts(plan.time, restart_seconds)
     flown = np.full((plan.intervals * samples + 1, planned.shape[1]), np.nan)
     flown[0] = state = planned[0]
     budget = EVALUATIONS + ALLOWANCE * plan.intervals
     for k in range(plan.intervals):
-        rate = _rate(plant, step[k], left[k], right[k])
+        rate = _rate(plant, step[k], pieces[k])
         rows = slice(k * samples + 1, (k + 1) * samples + 1)
         flown[rows] = _integrate(rate, state, fractions, budget)
         budget -= rate.calls
@@ -96,18 +95,18 @@ def replay(plan: Plan, plant: Plant, samples: int = 10, restart_seconds: float |
 
 
 class _rate:  # noqa: N801  (used as a function)
-    """d[q, v]/ds over intervals of length `step` s, with inputs from `left` to `right`; counts its calls."""
+    """d[q, v]/ds over intervals of length `step` s, with inputs by control points; counts its calls."""
 
-    def __init__(self, plant: Plant, step: Array, left: Array, right: Array) -> None:
-        self.plant, self.step, self.left, self.change, self.calls = plant, step, left, right - left, 0
+    def __init__(self, plant: Plant, step: Array, points: Array) -> None:
+        self.plant, self.step, self.points, self.calls = plant, step, points, 0
 
     def __call__(self, s: float, y: Array) -> Array:
         self.calls += 1
-        state = y.reshape(*self.left.shape[:-1], -1)
+        state = y.reshape(*self.points.shape[:-2], -1)
         half = state.shape[-1] // 2
         q, v = state[..., :half], state[..., half:]
         out = np.empty_like(state)
-        out[..., :half], out[..., half:] = v, self.plant.acceleration(q, v, self.left + s * self.change)
+        out[..., :half], out[..., half:] = v, self.plant.acceleration(q, v, bezier(self.points, s))
         return (self.step * out).ravel()
 
 
@@ -126,11 +125,6 @@ def _integrate(rate: Callable[[float, Array], Array], start: Array, fractions: A
                 found[done:reached] = solver.dense_output()(fractions[done:reached]).T
                 done = reached
     return found
-
-
-def _ends(plan: Plan) -> tuple[Array, Array]:
-    """Inputs at the left and right end of each interval, (N, n_u): equal when they are held."""
-    return (plan.inputs, plan.inputs) if plan.interpolation == "hold" else (plan.inputs[:-1], plan.inputs[1:])
 
 
 def _restarts(time: Array, seconds: float | None) -> tuple[int, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 from benchbench.certificate.replay import Replay
 from benchbench.model import Coordinates, Model
 from benchbench.motion import sample
-from benchbench.plan import Array, Plan
+from benchbench.plan import Array, Plan, bezier
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.panel import Curve, Panel, Points
 from benchbench.scenario import Scenario
@@ -69,11 +69,11 @@ def _state_curves(
 
 
 def _input_curves(plan: Plan, limits: Coordinates) -> Iterator[tuple[str, Curve]]:
+    share = np.linspace(0.0, 1.0, 2 if plan.interpolation != "bezier" else 9)
+    time = (plan.time[:-1, None] + np.diff(plan.time)[:, None] * share).ravel()
+    values = bezier(plan.input_pieces[:, None], share).reshape(len(time), -1)
     for i, (name, unit) in enumerate(zip(limits.names, limits.units, strict=True)):
-        line = (plan.time, plan.inputs[:, i])
-        if plan.interpolation == "hold":
-            line = (np.repeat(plan.time, 2)[1:-1], np.repeat(plan.inputs[:, i], 2))
-        yield unit, Curve(name, None, line, float(limits.lower[i]), float(limits.upper[i]))
+        yield unit, Curve(name, None, (time, values[:, i]), float(limits.lower[i]), float(limits.upper[i]))
 
 
 def _panels(curves: list[tuple[str, Curve]]) -> list[Panel]:

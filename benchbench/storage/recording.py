@@ -75,7 +75,7 @@ def write_mcap(
 
 
 def plan_series(plan: Plan, scenario: Scenario, model: Model) -> Iterator[Series]:
-    """The numbers of a plan, one row per node (per interval for held inputs)."""
+    """The numbers of a plan, one row per node (for inputs per interval or control point)."""
     rates = [f"{unit}/s" for unit in plan.coordinate_units]
     tool, _ = model.plant().tool(plan.configuration, plan.velocity)
     target, _ = sample(scenario.target, plan.time)
@@ -83,9 +83,7 @@ def plan_series(plan: Plan, scenario: Scenario, model: Model) -> Iterator[Series
         "/plan/configuration", plan.time, plan.coordinate_names, plan.coordinate_units, plan.configuration
     )
     yield Series("/plan/velocity", plan.time, plan.coordinate_names, rates, plan.velocity)
-    yield Series(
-        "/plan/inputs", plan.time[: len(plan.inputs)], plan.input_names, plan.input_units, plan.inputs
-    )
+    yield Series("/plan/inputs", plan.input_times, plan.input_names, plan.input_units, plan.inputs)
     yield Series("/plan/progress", plan.time, ["epsilon"], ["1"], plan.progress[:, None])
     yield Series("/plan/end_effector", plan.time, XYZ, METRES, tool)
     yield Series("/plan/target", plan.time, XYZ, METRES, target)

@@ -20,7 +20,7 @@ from benchbench.tableau import Points, collocation
 class Collocation(Dynamics):
     """Gauss-Legendre (order 2 degree) or Radau IIA (order 2 degree - 1) points; limits hold at the points.
 
-    inputs "interval": one held input per interval; "linear": nodal inputs, linear in between.
+    inputs "interval", "linear" or "polynomial": see `benchbench.runge_kutta.transcribe`.
     """
 
     inputs: Inputs = "interval"

@@ -19,7 +19,7 @@ from benchbench.tableau import HERMITE_SIMPSON
 class HermiteSimpson(Dynamics):
     """Lobatto IIIA with three stages: nodes and midpoint; limits hold at all of them.
 
-    inputs "interval": one held input per interval; "linear": nodal inputs, linear in between.
+    inputs "interval", "linear" or "polynomial": see `benchbench.runge_kutta.transcribe`.
     """
 
     inputs: Inputs = "linear"

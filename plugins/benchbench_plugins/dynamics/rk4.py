@@ -22,7 +22,7 @@ class Rk4(Dynamics):
 
     Stages are unknowns (see `benchbench.runge_kutta`), which is the same method: the limits hold at every
     stage, and the explicit form never needs the inverse of the mass matrix.
-    inputs "interval": one held input per interval; "linear": nodal inputs, linear in between.
+    inputs "interval", "linear" or "polynomial": see `benchbench.runge_kutta.transcribe`.
     """
 
     inputs: Inputs = "interval"

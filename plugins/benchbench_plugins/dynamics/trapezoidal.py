@@ -19,7 +19,7 @@ from benchbench.tableau import TRAPEZOIDAL
 class Trapezoidal(Dynamics):
     """Implicit trapezoidal rule (Lobatto IIIA, two stages); both stages are nodes, so limits hold at nodes only.
 
-    inputs "interval": one held input per interval; "linear": nodal inputs, linear in between.
+    inputs "interval", "linear" or "polynomial": see `benchbench.runge_kutta.transcribe`.
     """
 
     inputs: Inputs = "linear"
