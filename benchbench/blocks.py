@@ -6,6 +6,7 @@ run that uses the same physics. The cache key is the serialised function itself.
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import logging
 import os
@@ -15,6 +16,7 @@ import subprocess
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Literal
@@ -51,19 +53,26 @@ class Derivatives:
 
 def derivatives(functions: Sequence[ca.Function], compile: Compile = "auto") -> list[Derivatives]:
     """Return the derivatives of each function, from the cache where possible."""
-    folders = [_folder(f) for f in functions]
-    missing = {
-        p: f for p, f in zip(folders, functions, strict=True) if not (p / "functions.casadi").is_file()
-    }
+    root = cache_root()
+    folders = [_folder(f, root) for f in functions]
+    missing = {p: f for p, f in zip(folders, functions, strict=True) if not _intact(p / "functions.casadi")}
     for folder, function in missing.items():
-        _publish(folder, "functions.casadi", _differentiate(function).save)
+        with tempfile.TemporaryDirectory(dir=folder) as scratch:
+            _differentiate(function).save(Path(scratch) / "functions.casadi")
+            _publish(Path(scratch) / "functions.casadi", folder)
     if compile == "auto" and shutil.which("gcc"):
-        _compile_all([p for p in dict.fromkeys(folders) if not (p / "block.so").is_file()])
+        _compile_all([p for p in dict.fromkeys(folders) if not _intact(p / "block.so")])
     return [_load(folder, compile) for folder in folders]
 
 
+def library(function: ca.Function) -> Path | None:
+    """Return the shared library with the compiled derivatives of a block function, or None."""
+    path = _folder(function, cache_root()) / "block.so"
+    return path if _intact(path) else None
+
+
 def cache_root() -> Path:
-    """Folder of the cache: $BENCHBENCH_CACHE, else the user's cache folder, else a temporary one."""
+    """Folder of the cache: $BENCHBENCH_CACHE, else the user's cache folder, else one for this process only."""
     wanted = os.environ.get("BENCHBENCH_CACHE")
     root = Path(wanted) if wanted else user_cache_path("benchbench") / "blocks"
     try:
@@ -71,9 +80,19 @@ def cache_root() -> Path:
         with tempfile.TemporaryFile(dir=root):
             pass
     except OSError as error:
-        log.warning("cache folder %s is not writable (%s); derivatives are not kept", root, error.strerror)
-        root = Path(tempfile.gettempdir()) / f"benchbench-{os.getuid() if hasattr(os, 'getuid') else 'cache'}"
-        root.mkdir(parents=True, exist_ok=True)
+        return _temporary_root(root, error.strerror or str(error))
+    return root
+
+
+@cache
+def _temporary_root(refused: Path, reason: str) -> Path:
+    """A private folder: a fixed name in a shared folder would let others plant libraries that we load."""
+    log.warning(
+        "cache folder %s is not writable (%s): every run compiles again; set BENCHBENCH_CACHE to a folder that is",
+        refused, reason,
+    )  # fmt: skip
+    root = Path(tempfile.mkdtemp(prefix="benchbench-"))
+    atexit.register(shutil.rmtree, root, ignore_errors=True)
     return root
 
 
@@ -118,28 +137,45 @@ def _nonzeros(matrix: ca.SX) -> ca.SX:
 
 def _load(folder: Path, compile: Compile) -> Derivatives:
     value, first, second, pattern = _Bundle.load(folder / "functions.casadi", 4)
-    library = folder / "block.so"
-    compiled = compile != "never" and library.is_file()
+    compiled = compile != "never" and _intact(folder / "block.so")
     if compiled:
-        value, first, second = (ca.external(f.name(), str(library)) for f in (value, first, second))
+        try:
+            value, first, second = (
+                ca.external(f.name(), str(folder / "block.so")) for f in (value, first, second)
+            )
+        except RuntimeError as error:  # for example a file system that forbids to execute
+            log.warning("a compiled block cannot be loaded and stays interpreted: %s", error)
+            compiled = False
     places = [
         np.array(i, dtype=np.int64) for matrix in pattern.call([]) for i in matrix.sparsity().get_triplet()
     ]
     return Derivatives(value, first, second, places[0], places[1], places[2], places[3], compiled)
 
 
-def _folder(function: ca.Function) -> Path:
+def _folder(function: ca.Function, root: Path) -> Path:
+    """Folder of one function; the name depends on everything its content does, this module included."""
+    here = Path(__file__).read_bytes()
     what = "|".join([function.serialize(), metadata.version("casadi"), platform.machine(), *FLAGS])
-    folder = cache_root() / hashlib.sha256(what.encode()).hexdigest()[:32]
+    folder = root / hashlib.sha256(here + what.encode()).hexdigest()[:32]
     folder.mkdir(exist_ok=True)
     return folder
 
 
-def _publish(folder: Path, name: str, write: object) -> None:
-    """Write a file under a temporary name and move it into place, so that readers never see half of it."""
-    with tempfile.TemporaryDirectory(dir=folder) as scratch:
-        write(Path(scratch) / name)  # type: ignore[operator]
-        os.replace(Path(scratch) / name, folder / name)
+def _publish(file: Path, folder: Path) -> None:
+    """Move a finished file into place, then its checksum, so that readers never take half of it."""
+    seal = file.with_name(f"{file.name}.sha256")
+    seal.write_text(hashlib.sha256(file.read_bytes()).hexdigest())
+    for part in (file, seal):
+        os.replace(part, folder / part.name)
+
+
+def _intact(file: Path) -> bool:
+    """Tell whether the file is what was published; a truncated library would kill the process (SIGBUS)."""
+    try:
+        seal = file.with_name(f"{file.name}.sha256").read_bytes()
+        return seal == hashlib.sha256(file.read_bytes()).hexdigest().encode()
+    except OSError:
+        return False
 
 
 def _compile_all(folders: Sequence[Path]) -> None:
@@ -155,7 +191,7 @@ def _compile_all(folders: Sequence[Path]) -> None:
     for folder, scratch, job in jobs:
         _, stderr = job.communicate()
         if job.returncode == 0:
-            os.replace(scratch / "block.so", folder / "block.so")
+            _publish(scratch / "block.so", folder)
         else:
             log.warning(
                 "gcc failed, the block stays interpreted: %s", stderr.decode(errors="replace").strip()[-200:]

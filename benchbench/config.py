@@ -2,119 +2,201 @@
 
 from __future__ import annotations
 
+import inspect
+import math
 import os
 from collections.abc import Mapping
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
 import hydra
+from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.global_hydra import GlobalHydra
+from hydra.core.object_type import ObjectType
+from hydra.core.plugins import Plugins
 from hydra.errors import InstantiationException
-from omegaconf import DictConfig, OmegaConf
+from hydra.plugins.search_path_plugin import SearchPathPlugin
+from omegaconf import DictConfig, ListConfig, OmegaConf, open_dict
 from pydantic import ValidationError
 
 from benchbench.case import Case
-from benchbench.errors import BadInput, BenchBenchError
+from benchbench.certificate.limits import Limits
+from benchbench.dynamics import Dynamics
+from benchbench.errors import BadInput, BenchBenchError, invalid, unknown_field
+from benchbench.guess import Guess
+from benchbench.hydra_errors import EXPECTED, PARTS, explained
+from benchbench.model import Model
+from benchbench.relaxation import Relaxation
 from benchbench.scenario import Scenario
+from benchbench.solver import Solver
+from benchbench.strategy import Strategy
 
-FAMILIES = ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess", "certificate")
-HIDDEN = ("handover",)
+KINDS: dict[str, type] = {
+    "scenario": dict, "vehicle": Model, "dynamics": Dynamics, "relaxation": Relaxation, "solver": Solver,
+    "strategy": Strategy, "guess": Guess, "certificate": Limits,
+}  # fmt: skip
+FAMILIES = tuple(family for family in KINDS if family != "scenario")
+NUMBERS = {"seed": (int, 0), "time_limit": (float, 1e-3), "iteration_limit": (int, 1)}
+"""Numbers of a run with their type and smallest value."""
+WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
+FIELDS = (*KINDS, *NUMBERS, *WORDS, "output")
+
+
+class ThirdPartyConfig(SearchPathPlugin):
+    """Adds the config packages that installed packages name in the entry point group `benchbench.conf`."""
+
+    def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:
+        """Append pkg://<package> for each of them."""
+        for entry in entry_points(group="benchbench.conf"):
+            search_path.append(provider=f"benchbench:{entry.name}", path=f"pkg://{entry.value}")
 
 
 def folder() -> str:
-    """Absolute path of the configuration: $BENCHBENCH_CONF, the installed one, or the checkout's."""
+    """Absolute path of the configuration: $BENCHBENCH_CONF, else the installed one, else the checkout's.
+
+    Third parties' configuration is on the search path from here on. Raises BadInput.
+    """
+    Plugins.instance().register(ThirdPartyConfig)
     here = Path(__file__).resolve().parent
     asked = os.environ.get("BENCHBENCH_CONF")
-    for candidate in ([Path(asked)] if asked else []) + [here / "conf", here.parent / "conf"]:
+    for candidate in [Path(asked)] if asked else [here / "conf", here.parent / "conf"]:
         if (candidate / "config.yaml").is_file():
-            return str(candidate)
+            return str(candidate.resolve())
     raise BadInput(
-        "BENCHBENCH_CONF", "no folder with a config.yaml found", "the path of benchbench's conf folder"
+        "BENCHBENCH_CONF", f"there is no config.yaml in '{asked}'", "the path of benchbench's conf folder"
     )
 
 
-def scenarios() -> list[str]:
-    """Names of all scenarios on the search path."""
-    loader = GlobalHydra.instance().config_loader() if GlobalHydra.instance().is_initialized() else None
-    names = (
-        loader.get_group_options("scenario")
-        if loader
-        else [p.stem for p in Path(folder(), "scenario").glob("*.yaml")]
-    )
-    return sorted(n for n in names if n not in HIDDEN)
+def choices(family: str) -> list[str]:
+    """Names of everything that can be chosen from a family on the search path."""
+    if not GlobalHydra.instance().is_initialized():
+        with hydra.initialize_config_dir(folder(), version_base="1.3"):
+            return choices(family)
+    found = GlobalHydra.instance().config_loader().get_group_options(family, ObjectType.CONFIG)
+    return sorted(name for name in found if name not in PARTS)
 
 
 def compose(*overrides: str) -> Case:
-    """Return the case that the same overrides give on the command line, for use from Python."""
+    """Return the case that the same overrides give on the command line, for use from Python.
+
+    Own YAML: "hydra.searchpath=[file:///absolute/folder]". Raises BadInput.
+    """
     with hydra.initialize_config_dir(folder(), version_base="1.3"):
-        cfg = hydra.compose("config", list(overrides), return_hydra_config=True)
-        choices = OmegaConf.to_container(cfg.hydra.runtime.choices)
-        return build(cfg, dict(choices))  # type: ignore[arg-type]
+        try:
+            cfg = hydra.compose("config", list(overrides), return_hydra_config=True)
+            chosen = dict(cfg.hydra.runtime.choices)
+            with open_dict(cfg):
+                del cfg["hydra"]
+        except (*EXPECTED, ValueError) as error:
+            raise explained(error) from error
+        return build(cfg, chosen)
 
 
-def build(cfg: DictConfig, choices: Mapping[str, Any]) -> Case:
-    """Make every part of the case; raises BadInput."""
-    if "scenario" not in cfg:
-        raise BadInput(
-            "scenario", "none was chosen", f"+scenario=NAME with NAME one of {', '.join(scenarios())}"
-        )
-    parts = {family: _make(cfg, family) for family in FAMILIES}
-    names = {family: str(choices.get(family) or "custom") for family in FAMILIES}
-    fields = _make(cfg, "scenario")
-    scenario = _checked("scenario", Scenario, **{str(k): v for k, v in fields.items()})
-    rest = {key: cfg[key] for key in ("seed", "accuracy", "compile", "time_limit", "iteration_limit")}
-    _check_run(rest)
+def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case:
+    """Make every part of the case; `chosen` are the names of the choices by family. Raises BadInput."""
+    try:
+        OmegaConf.to_container(cfg, resolve=True)
+    except EXPECTED as error:
+        raise explained(error) from None
+    _check_run(cfg, chosen)
+    parts = {family: _make(cfg, family) for family in KINDS}
+    names = {family: str(chosen.get(family) or "custom") for family in FAMILIES}
+    try:
+        scenario = Scenario(**parts["scenario"])
+    except ValidationError as error:
+        raise invalid("scenario", error, Scenario.model_fields) from None
+    _check_margins(parts["scenario"])
     return Case(
         scenario=scenario, model=parts["vehicle"], limits=parts["certificate"],
-        names={"scenario": scenario.name, **names}, **rest,
+        names={"scenario": scenario.name, **names}, **{key: cfg[key] for key in (*NUMBERS, *WORDS)},
         **{f: parts[f] for f in ("dynamics", "relaxation", "solver", "strategy", "guess")},
     )  # fmt: skip
 
 
-def _check_run(rest: Mapping[str, Any]) -> None:
-    for key, allowed in {"compile": ("auto", "never"), "accuracy": ("low", "medium", "high")}.items():
-        if rest[key] not in allowed:
-            raise BadInput(key, f"'{rest[key]}' does not exist", ", ".join(allowed))
-    for key in ("time_limit", "iteration_limit", "seed"):
-        value = rest[key]
-        low = 0 if key == "seed" else 1e-3
-        if not isinstance(value, (int, float)) or isinstance(value, bool) or not value >= low:
-            raise BadInput(key, f"{value!r} is not usable", f"a number of at least {low:g}")
+def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:
+    """Raise BadInput where a family has no choice, a field does not exist, or a number makes no sense."""
+    if chosen.get("scenario") in PARTS:
+        problem = f"'{chosen['scenario']}' is what other scenarios have in common, not a scenario"
+        raise BadInput("scenario", problem, ", ".join(choices("scenario")))
+    for family in KINDS:
+        if not isinstance(cfg.get(family), DictConfig) or (family == "scenario" and not chosen.get(family)):
+            plus = "+" if family == "scenario" else ""
+            allowed = f"{plus}{family}=NAME with NAME one of {', '.join(choices(family))}"
+            raise BadInput(family, "none was chosen", allowed)
+    for key in cfg:
+        if key not in FIELDS:
+            raise unknown_field(str(key), FIELDS)
+    for key, (kind, low) in NUMBERS.items():
+        value = cfg.get(key)
+        fits = isinstance(value, (int, kind)) and not isinstance(value, bool)
+        if not fits or not low <= value or not math.isfinite(value):
+            what = "whole number" if kind is int else "number of seconds"
+            raise BadInput(key, f"{value!r} was given", f"a {what} of at least {low:g}")
+    for key, allowed_words in WORDS.items():
+        if cfg.get(key) not in allowed_words:
+            raise BadInput(key, f"{cfg.get(key)!r} was given", ", ".join(allowed_words))
+    if cfg.get("output") in (None, ""):
+        raise BadInput("output", f"{cfg.get('output')!r} was given", "the path of a folder")
+
+
+def _check_margins(scenario: Mapping[str, Any]) -> None:
+    """Raise BadInput for a margin of a contact that is neither there nor switched off by null."""
+    contacts = scenario.get("contacts") or {}
+    for name in scenario.get("contact_margin") or {}:
+        if contacts and name not in contacts:
+            raise BadInput(f"scenario.contact_margin.{name}", "there is no such contact", ", ".join(contacts))
 
 
 def _make(cfg: DictConfig, family: str) -> Any:
     try:
-        return hydra.utils.instantiate(cfg[family], _convert_="all")
+        made = hydra.utils.instantiate(cfg[family], _convert_="all")
     except InstantiationException as error:
-        raise _explained(family, error) from None
+        raise _explained(cfg, family, error) from None
+    except EXPECTED as error:
+        raise explained(error) from None
+    if not isinstance(made, KINDS[family]):
+        raise BadInput(f"{family}._target_", f"gives a {type(made).__name__}", f"a {KINDS[family].__name__}")
+    _check_names(cfg[family], family)
+    return made
 
 
-def _checked(field: str, kind: type[Scenario], **values: Any) -> Scenario:
+def _check_names(node: Any, place: str) -> None:
+    """Raise BadInput for a key that its class does not take; classes that ignore what they do not know exist."""
+    if isinstance(node, ListConfig):
+        for i, item in enumerate(node):
+            _check_names(item, f"{place}.{i}")
+    if not isinstance(node, DictConfig):
+        return
+    names = _parameters(node)
+    for key in map(str, node):
+        if names and key not in names and not key.startswith("_"):
+            raise unknown_field(f"{place}.{key}", names)
+        _check_names(node[key], f"{place}.{key}")
+
+
+def _parameters(node: DictConfig) -> list[str]:
+    """Names that the class of a configuration node takes; none if it has no class or takes any name."""
     try:
-        return kind(**values)
-    except ValidationError as error:
-        raise _validation(field, error) from None
+        parameters = inspect.signature(hydra.utils.get_class(node["_target_"])).parameters
+    except KeyError:
+        return []
+    if any(p.kind is p.VAR_KEYWORD for p in parameters.values()):
+        return []
+    return list(parameters)
 
 
-def _explained(family: str, error: InstantiationException) -> BenchBenchError:
-    cause: BaseException | None = error.__cause__
-    while cause is not None and not isinstance(cause, (BenchBenchError, ValidationError, TypeError)):
+def _explained(cfg: DictConfig, family: str, error: InstantiationException) -> BenchBenchError:
+    cause: BaseException = error
+    while cause.__cause__ is not None and not isinstance(cause, (BenchBenchError, ValidationError)):
         cause = cause.__cause__
     where = str(error).rpartition("full_key: ")[2].strip() if "full_key: " in str(error) else family
     where = where if where.startswith(family) else f"{family}.{where}"
     if isinstance(cause, BenchBenchError):
         return cause
     if isinstance(cause, ValidationError):
-        return _validation(where, cause)
-    return BadInput(where, str(cause or error).splitlines()[0])
-
-
-def _validation(field: str, error: ValidationError) -> BadInput:
-    first = error.errors()[0]
-    place = ".".join([field, *(str(part) for part in first["loc"])])
-    given = (
-        ""
-        if first["type"] in ("missing", "unexpected_keyword_argument")
-        else f", but {first['input']!r} was given"
-    )
-    return BadInput(place, first["msg"] + given)
+        return invalid(where, cause)
+    if isinstance(cause, (ImportError, AttributeError)) or cause is error:
+        target = OmegaConf.select(cfg, f"{where}._target_")
+        return BadInput(f"{where}._target_", f"'{target}' cannot be loaded: {str(cause).splitlines()[0]}")
+    return BadInput(where, str(cause).splitlines()[0])

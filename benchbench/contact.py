@@ -94,7 +94,7 @@ class Coupling:
         free = np.isnan(fixed)
         guess = np.linspace(kappa_init, 0.0, n + 1)[:, None]
         kappa = Variable(
-            "kappa", np.where(free, 0.0, fixed), np.where(free, float(kappa_init), fixed), guess, "1"
+            "kappa", np.where(free, 0.0, fixed), np.where(free, float(kappa_init), fixed), guess, "1", True
         )
         z, p, s = ca.SX.sym("z", 2), ca.SX.sym("p", 0), ca.SX.sym("sigma")
         nodes = range(n)

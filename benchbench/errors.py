@@ -6,7 +6,12 @@ allowed; in a sweep its text becomes the row's reason.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
 
 
 class BenchBenchError(Exception):
@@ -29,6 +34,37 @@ class Unavailable(BenchBenchError):
     """An optional backend is not installed or has no licence; the message names the remedy."""
 
 
-def unknown_choice(field: str, value: str, available: Sequence[str]) -> BadInput:
+def unknown_choice(field: str, value: str, available: Iterable[str]) -> BadInput:
     """Return the error for a misspelt plugin or scenario name, listing what exists."""
     return BadInput(field, f"'{value}' does not exist", ", ".join(sorted(available)))
+
+
+def unknown_field(field: str, names: Iterable[str], add: str = "") -> BadInput:
+    """Return the error for a field that does not exist where `names` do; it suggests the nearest.
+
+    add: how to make a new field of that name, where that is possible.
+    """
+    names = list(names)
+    if near := get_close_matches(field.rpartition(".")[2], names, 1):
+        return BadInput(field, f"does not exist, perhaps '{near[0]}' is meant", ", ".join(names))
+    return BadInput(field, "does not exist", "; or ".join(part for part in (", ".join(names), add) if part))
+
+
+def invalid(field: str, error: ValidationError, names: Iterable[str] = ()) -> BadInput:
+    """Return a pydantic error about `field` in our words; `names` are the fields that exist there."""
+    first = error.errors()[0]
+    place = ".".join([field, *(str(part) for part in first["loc"])])
+    given, text = first["input"], first["msg"].removeprefix("Value error, ")
+    match first["type"]:
+        case "missing" | "missing_argument":
+            return BadInput(place, "is missing")
+        case "extra_forbidden" | "unexpected_keyword_argument":
+            return unknown_field(place, names)
+        case _ if text.startswith("Input should be "):
+            wanted = text.removeprefix("Input should be ").partition(", unable")[0].partition(", got")[0]
+            return BadInput(
+                place,
+                f"{given!r} was given",
+                ("a number " if wanted[:5] in ("great", "less ") else "") + wanted,
+            )
+    return BadInput(place, f"{text}, but {given!r} was given")

@@ -7,10 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchbench.case import Case, Ledger
+from benchbench.errors import IncompatibleCase
 from benchbench.mpcc import Mpcc
 from benchbench.plan import Array
-from benchbench.relaxation import relax
-from benchbench.solver import Outcome, Point, Setup
+from benchbench.relaxation import Smooth, smooth
+from benchbench.solver import Outcome, Point, Prepared, Progress, Setup
+
+GOOD = ("solved", "iteration_limit")
+"""Claims after which it is worth to go on from where the solver stopped."""
 
 
 @dataclass(frozen=True)
@@ -26,23 +30,33 @@ class Solved:
 def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str) -> Solved:
     """Solve an MPCC; without pairs it is one smooth solve.
 
-    Each sigma starts from the last finite point with fresh multipliers. A sigma that fails does not stop
-    the schedule: the next one may recover, and the last word is the certificate's. Spent time does.
+    Each sigma starts from the last good point with fresh multipliers. A sigma that fails does not stop the
+    schedule: the next one starts where the failed one did, because nothing leads back from where IPOPT found
+    no feasible point or diverged. The last word is the certificate's. Spent time stops it. Held unknowns of a
+    relaxation move on after each solve that claims success; only then it is built again.
     """
     with ledger.building():
-        relaxed = relax(mpcc, case.relaxation) if mpcc.pairs else mpcc
+        smoothed = smooth(mpcc, case.relaxation) if mpcc.pairs else Smooth(mpcc)
+        relaxed = smoothed.mpcc
         offsets = relaxed.offsets
         where = (offsets["T"], relaxed.split(relaxed.guess)["T"].size) if "T" in offsets else None
         watch = ledger.watch.stage(stage, where) if ledger.watch else None
-        setup = Setup(ledger.seconds_left, case.iteration_limit, case.accuracy, case.compile, watch)
-        solve = case.solver.prepare(relaxed, setup)
+        solve = _prepare(relaxed, case, ledger, watch)
     point, outcome, sigma = Point(relaxed.guess), None, 0.0
     for sigma in case.relaxation.schedule if mpcc.pairs else (0.0,):
+        if smoothed.mpcc is not relaxed:
+            with ledger.building():
+                relaxed = smoothed.mpcc
+                solve = _prepare(relaxed, case, ledger, watch)
+            point = Point(np.clip(point.x, relaxed.lower, relaxed.upper))
         outcome = solve(sigma, point)
         ledger.count(outcome)
         if not np.all(np.isfinite(outcome.point.x)):
             outcome = replace(outcome, claim="invalid", point=point)
-        point = Point(outcome.point.x)
+        if outcome.claim in GOOD:
+            point = Point(outcome.point.x)
+        if outcome.claim == "solved":
+            smoothed = smoothed.after(point.x, sigma)
         if outcome.claim == "time_limit" or ledger.seconds_left <= 0.1:
             break
     if outcome is None:
@@ -50,3 +64,14 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str) -> Solved:
     values = relaxed.split(outcome.point.x)
     x = np.concatenate([np.zeros(0), *(values[v.name].ravel() for v in mpcc.variables)])
     return Solved(outcome, values, x, sigma)
+
+
+def _prepare(relaxed: Mpcc, case: Case, ledger: Ledger, watch: Progress | None) -> Prepared:
+    if relaxed.pairs and not case.solver.native_pairs:
+        solver, relaxation = case.names["solver"], case.names["relaxation"]
+        problem = f"'{relaxation}' leaves the pairs to the solver, but '{solver}' takes none"
+        raise IncompatibleCase(
+            "relaxation", problem, "another relaxation, or a solver for pairs, such as pyomo"
+        )
+    setup = Setup(ledger.seconds_left, case.iteration_limit, case.accuracy, case.compile, watch)
+    return case.solver.prepare(relaxed, setup)

@@ -24,13 +24,17 @@ PairKind = Literal["complementarity", "vanishing"]
 
 @dataclass(frozen=True)
 class Variable:
-    """A named array of unknowns, numbers only; `lower`, `upper`, `guess` have equal shape (rows, columns)."""
+    """A named array of unknowns, numbers only; `lower`, `upper`, `guess` have equal shape (rows, columns).
+
+    `integer`: the model means whole numbers; a solver that knows only real ones may ignore it.
+    """
 
     name: str
     lower: Array
     upper: Array
     guess: Array
     unit: str = ""
+    integer: bool = False
 
     def __post_init__(self) -> None:
         """Check shapes and that no bound is NaN or crossed; raises ValueError naming the variable."""
@@ -152,15 +156,22 @@ class Mpcc:
         return _stack(v.guess for v in self.variables)
 
     @property
+    def integer(self) -> NDArray[np.bool_]:
+        """Which unknowns are whole numbers, (n,)."""
+        return np.concatenate([np.zeros(0, bool), *(np.full(v.size, v.integer) for v in self.variables)])
+
+    @property
     def digest(self) -> str:
         """Hash of everything but the guesses: equal digest means the same problem."""
         text = hashlib.sha256()
         for v in self.variables:
-            text.update(f"{v.name}{v.guess.shape}".encode() + v.lower.tobytes() + v.upper.tobytes())
+            kind = "integer" if v.integer else ""
+            text.update(f"{v.name}{v.guess.shape}{kind}".encode() + v.lower.tobytes() + v.upper.tobytes())
         for pair in self.pairs:
             text.update(f"{pair.kind}{pair.limit}{pair.sign_known}".encode())
-        for block in (*self.constraints, *self.costs, *(pair.block for pair in self.pairs)):
-            text.update(f"{block.name}{block.function.serialize()}".encode())
+        roles = {"row": self.constraints, "cost": self.costs, "pair": [pair.block for pair in self.pairs]}
+        for role, block in ((role, block) for role, blocks in roles.items() for block in blocks):
+            text.update(f"{role}{block.name}{block.function.serialize()}".encode())
             for numbers in (block.parameters, block.lower, block.upper, gather(block, self.offsets)):
                 text.update(np.ascontiguousarray(numbers).tobytes())
         return text.hexdigest()[:32]

@@ -44,6 +44,8 @@ def run(case: Case, watch: Watch | None = None, labels: Mapping[str, Any] | None
     validate(case)
     ledger = Ledger(case.time_limit, watch)
     result = case.strategy.solve(case, ledger)
+    if watch:
+        watch.stage("certificate", None)
     judged = time.process_time()
     found = residuals(result.problem.mpcc, result.solved.x)
     certificate = certify(result.plan, case.scenario, case.model, case.limits, found)
@@ -84,10 +86,13 @@ def _record(
 ) -> dict[str, Any]:
     outcome, mpcc = result.solved.outcome, result.problem.mpcc
     status = Status.CERTIFIED if certificate.certified else STATUS.get(outcome.claim, Status.ERROR)
+    judged = certificate.record()
+    if status not in (Status.CERTIFIED, Status.UNCERTIFIED) and outcome.detail:
+        judged["reasons"] = (f"the solver says {outcome.detail}", *certificate.reasons)
     return make_record(
         status=status,
         claimed_success=outcome.claim == "solved",
-        **certificate.record(),
+        **judged,
         **{family: name for family, name in case.names.items() if family != "certificate"},
         intervals=result.plan.intervals,
         kappa_init=case.scenario.kappa_init,

@@ -20,16 +20,17 @@ class LiveLine(Watch):
 
     def __init__(self) -> None:
         """Set up the line without showing it."""
-        self._console = Console(stderr=True)
+        console = Console(stderr=True)
         self._bar = Bar(
-            SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn(),
-            console=self._console, transient=True,
+            SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn(),
+            console=console, transient=True,
         )  # fmt: skip
         self._task = self._bar.add_task("preparing")
+        self._seen = console.is_terminal
 
     def __enter__(self) -> Self:
         """Start showing."""
-        if self._console.is_terminal:
+        if self._seen:
             self._bar.start()
         return self
 
@@ -37,18 +38,19 @@ class LiveLine(Watch):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Remove the line."""
-        self._bar.stop()
+        if self._seen:
+            self._bar.stop()
 
     def stage(self, name: str, shape: tuple[int, int] | None) -> Progress | None:
         """Name the stage; no callback at all when nobody looks."""
-        if not self._console.is_terminal:
+        if not self._seen:
             return None
         self._bar.update(self._task, description=name)
 
         def show(iteration: int, x: Array, violation: float) -> None:
-            text = f"{name:<16} iteration {iteration:4d}"
+            text = f"{name:<13}  iter {iteration:<4d}"
             if shape is not None:
-                text += f"   travel time {x[shape[0] : shape[0] + shape[1]].sum():7.4f} s"
-            self._bar.update(self._task, description=f"{text}   violation {violation:8.1e}")
+                text += f"  travel time {x[shape[0] : shape[0] + shape[1]].sum():.4f} s"
+            self._bar.update(self._task, description=f"{text}  violation {violation:.1e}")
 
         return show

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from benchbench.blocks import Compile
 from benchbench.mpcc import Mpcc
@@ -64,13 +64,16 @@ Prepared = Callable[[float, Point], Outcome]
 
 
 class Solver(ABC):
-    """A nonlinear programming backend."""
+    """A nonlinear programming backend; with `native_pairs` it also takes complementarity pairs unrelaxed."""
+
+    native_pairs: ClassVar[bool] = False
 
     @abstractmethod
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
         """Return a callable (sigma, start) -> Outcome; all construction cost belongs here.
 
-        mpcc has no pairs left (they were relaxed). Raises Unavailable when the library is not there.
+        mpcc has no pairs left (they were relaxed), or with `native_pairs` perhaps pairs of kind
+        "complementarity". Raises Unavailable when the library is not there.
         """
 
     @abstractmethod

@@ -1,8 +1,9 @@
-"""The summary of one run that a person reads in ten seconds."""
+"""What the program says: the summary of a run, made to be read in ten seconds, the usage, complaints."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from os.path import commonpath
 from pathlib import Path
 from typing import Any
 
@@ -12,53 +13,111 @@ from rich.text import Text
 
 from benchbench.storage.schema import Status
 
+REASONS = 4
+"""Reasons against a plan that are shown; the record has all."""
+
+USAGE = """BenchBench plans a flight, certifies the plan, stores it and shows it.
+
+  benchbench +scenario=NAME [CHOICE=NAME ...] [FIELD=VALUE ...]      one run
+  benchbench -m +scenario=A,B FIELD=V1,V2 ...               all combinations
+
+or python -m benchbench, which is the same.
+
+Choices
+{choices}
+
+Fields: every number and option of a choice, and of the run; for example
+  scenario.kappa_init=5 scenario.intervals=150 dynamics.inputs=averaged output=/tmp/x
+  A field that the YAML leaves out takes a plus sign: +scenario.start.y=0.3
+  --cfg job with the choices shows them all.
+
+Own YAML   --config-dir FOLDER adds FOLDER/scenario/NAME.yaml, FOLDER/vehicle/...
+Options    --version, --traceback (where an error came from), --hydra-help
+Exit code  0 all plans certified, 1 a run ended without a certified plan,
+           2 bad input, 130 interrupted
+"""
+
+
+def usage(choices: Mapping[str, Sequence[str]]) -> str:
+    """Return the help text; `choices` are the names to choose from, by family."""
+    grid = Table.grid(padding=(0, 2))
+    for family, names in choices.items():
+        grid.add_row(f"  {'+' if family == 'scenario' else ''}{family}", ", ".join(names))
+    console = Console(width=80, color_system=None)
+    with console.capture() as captured:
+        console.print(grid)
+    listed = "\n".join(line.rstrip() for line in captured.get().splitlines())
+    return USAGE.format(choices=listed)
+
 
 def show(record: Mapping[str, Any], paths: Mapping[str, Path], console: Console | None = None) -> None:
     """Print the summary of a record and the paths of what was written."""
-    console = console or Console()
+    console = console or Console(highlight=False)
     grid = Table.grid(padding=(0, 2))
-    grid.add_column(style="bold")
+    grid.add_column(style="bold", no_wrap=True, min_width=11)
     grid.add_column(overflow="fold")
     for name, text in _lines(record):
         grid.add_row(name, text)
-    for name, path in paths.items():
-        grid.add_row(name, Text(_near(path)))
     console.print(grid)
+    for name, place in _places(paths).items():
+        console.print(Text(f"{name:<13}", style="bold") + Text(place, style="not bold"), soft_wrap=True)
+
+
+def show_line(number: int, record: Mapping[str, Any], combination: str) -> None:
+    """Print one run of a sweep on one line, cut to the width of a terminal."""
+    console = Console(highlight=False)
+    verdict = "certified" if record["certified"] else f"NOT: {record['status']}"
+    time = _number(record["travel_time_s"], ".4f", "s")
+    line = Text(f"{number:>4}  ") + Text(f"{verdict:<15}", "green" if record["certified"] else "red")
+    line += Text(f"  {time:>9}  {combination}")
+    if console.is_terminal:
+        line.truncate(console.width, overflow="ellipsis")
+    console.print(line, soft_wrap=True)
+
+
+def count(certified: int, runs: int) -> None:
+    """Print how a sweep went."""
+    Console(highlight=False).print(f"{certified} of {runs} runs certified")
+
+
+def complain(kind: str, text: str) -> None:
+    """Print one message on stderr."""
+    console = Console(stderr=True, highlight=False)
+    console.print(Text("benchbench: ") + Text(kind, "bold red"), soft_wrap=True)
+    for line in text.splitlines():
+        console.print(Text(f"  {line}"), soft_wrap=True)
 
 
 def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
-    choices = " / ".join(str(r[k]) for k in ("dynamics", "relaxation", "solver", "strategy", "guess"))
-    bound = f"   (lower bound {r['lower_bound_s']:.3f} s)" if r["lower_bound_s"] else ""
+    choices = " / ".join(
+        str(r[k]) for k in ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
+    )
     lines: list[tuple[str, Text | str]] = [
-        (str(r["scenario"]), f"{choices}, N = {r['intervals']}, kappa_init = {r['kappa_init']}"),
-        ("travel time", f"{r['travel_time_s']:.4f} s{bound}"),
+        (str(r["scenario"]), f"{choices}\nN = {r['intervals']}, kappa_init = {r['kappa_init']}"),
         ("verdict", _verdict(r)),
-    ]
+        ("travel time", f"{_number(r['travel_time_s'], '.4f', 's')}   "
+                        f"(lower bound {_number(r['lower_bound_s'], '.3f', 's')})"),
+    ]  # fmt: skip
     if r["contact_start_s"] is not None:
-        lines.append((
-            "contact",
-            f"{r['contact_start_s']:.3f} to {r['contact_end_s']:.3f} s: {r['contact_duration_s']:.3f} s, "
-            f"{r['contact_steps']} steps",
-        ))  # fmt: skip
-    worst = [
+        text = f"{r['contact_start_s']:.3f} to {r['contact_end_s']:.3f} s: {r['contact_duration_s']:.3f} s, "
+        lines.append(("contact", f"{text}{r['contact_steps']} nodes\n{_worst(r)}"))
+    defect, drift = (_scaled(r[f"replay_{k}_position_m"], 1e3, "mm") or "-" for k in ("defect", "drift"))
+    times = (r["build_cpu_s"], r["solve_cpu_s"], r["certificate_cpu_s"])
+    build, solve, check = (_number(value, ".2f", "s") for value in times)
+    return [
+        *lines,
+        ("replay", f"{defect} off after one interval, {drift} at worst flown open loop"),
+        ("effort", f"{r['iterations']} iterations; CPU build {build}, solve {solve}, check {check}"),
+    ]
+
+
+def _worst(r: Mapping[str, Any]) -> str:
+    parts = (
         _scaled(r["contact_max_distance_m"], 1e3, "mm apart"),
         _scaled(r["contact_max_speed_gap_mps"], 1e3, "mm/s relative"),
-        _scaled(r["contact_max_heading_error_rad"], 1e3, "mrad heading error"),
-    ]
-    lines += [
-        ("worst in contact", ", ".join(w for w in worst if w) or "-"),
-        (
-            "replay",
-            f"defect {_scaled(r['replay_defect_position_m'], 1e3, 'mm') or '-'} per interval, drift "
-            f"{_scaled(r['replay_drift_position_m'], 1e3, 'mm') or '-'} open loop",
-        ),
-        (
-            "effort",
-            f"{r['iterations']} iterations; CPU {r['build_cpu_s']:.2f} s build, {r['solve_cpu_s']:.2f} s solve, "
-            f"{r['certificate_cpu_s']:.2f} s certificate",
-        ),
-    ]
-    return lines
+        _scaled(r["contact_max_heading_error_rad"], 1e3, "mrad off heading"),
+    )
+    return "at worst " + (", ".join(part for part in parts if part) or "-")
 
 
 def _verdict(r: Mapping[str, Any]) -> Text:
@@ -66,11 +125,26 @@ def _verdict(r: Mapping[str, Any]) -> Text:
         return Text("certified", style="bold green")
     claim = "the solver claims success" if r["claimed_success"] else f"the solver ended with {r['status']}"
     text = Text(f"NOT certified ({claim})", style="bold red")
-    for reason in r["reasons"]:
+    for reason in r["reasons"][:REASONS]:
         text.append(f"\n- {reason}", style="not bold red")
+    if len(r["reasons"]) > REASONS:
+        text.append(f"\n- and {len(r['reasons']) - REASONS} more, see the record", style="not bold red")
     if not r["claimed_success"]:
-        text.append(f"\n  {Status.__members__[r['status'].upper()].remedy}", style="not bold")
+        text.append(f"\nadvice: {Status[r['status'].upper()].remedy}", style="not bold")
     return text
+
+
+def _places(paths: Mapping[str, Path]) -> dict[str, str]:
+    """Folders on a line each, with the names of the files in them."""
+    files = [path for path in paths.values() if path.is_file()]
+    folders = [path for path in paths.values() if not path.is_file()]
+    together = Path(commonpath([path.parent for path in files])) if files else None
+    shown = {"files": _near(together), "": " ".join(path.name for path in files)} if together else {}
+    return shown | ({"table": _near(folders[0])} if folders else {})
+
+
+def _number(value: float | None, form: str, unit: str) -> str:
+    return "-" if value is None else f"{value:{form}} {unit}"
 
 
 def _scaled(value: float | None, factor: float, unit: str) -> str:
@@ -79,6 +153,6 @@ def _scaled(value: float | None, factor: float, unit: str) -> str:
 
 def _near(path: Path) -> str:
     try:
-        return str(path.relative_to(Path.cwd()))
+        return str(path.resolve().relative_to(Path.cwd()))
     except ValueError:
         return str(path)

@@ -2,34 +2,70 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import re
+
+import casadi as ca
 import numpy as np
 
 from benchbench.case import Case
-from benchbench.certificate.bound import arm_reach, lower_bound
-from benchbench.errors import BadInput
+from benchbench.certificate.bound import AXES, arm_reach, lower_bound
+from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.motion import sample
+from benchbench.mpcc import Block, Mpcc, Variable, rows
 from benchbench.plan import Array
+from benchbench.solver import Setup
 
 
 def validate(case: Case) -> None:
     """Raise BadInput for the first thing that cannot be."""
-    scenario, model = case.scenario, case.model
-    if scenario.kappa_init >= scenario.intervals:
+    _numbers(case)
+    _vehicle(case)
+    _pose("start", case.scenario.start_point(case.model), case)
+    _pose("end", case.scenario.end_point(case.model), case)
+    _reachable(case)
+    _solver(case)
+
+
+def _numbers(case: Case) -> None:
+    scenario = case.scenario
+    most = scenario.intervals - 2  # one interval to come and one to leave
+    if scenario.kappa_init > most:
+        problem = f"{scenario.kappa_init} nodes in contact do not fit into {scenario.intervals} intervals"
+        raise BadInput("scenario.kappa_init", problem, f"1 to {most}")
+    first, last = scenario.travel_time
+    if not 0 <= first <= last < np.inf or last == 0:
         raise BadInput(
-            "scenario.kappa_init",
-            f"{scenario.kappa_init} nodes in contact do not fit into {scenario.intervals} intervals",
-            f"1 to {scenario.intervals - 1}",
+            "scenario.travel_time", f"[{first}, {last}] was given", "two finite numbers of seconds from 0 on"
         )
     seconds = scenario.contact_seconds
-    if seconds is not None and seconds >= scenario.travel_time[1]:
-        raise BadInput(
-            "scenario.contact_seconds",
-            f"{seconds} s is longer than the flight",
-            f"below {scenario.travel_time[1]}",
-        )
-    _pose("start", scenario.start_point(model), case)
-    _pose("end", scenario.end_point(model), case)
-    _reachable(case)
+    if seconds is not None and not 0 < seconds < last:
+        problem, allowed = f"{seconds} s is no part of the flight", f"null, or above 0 and below {last} s"
+        raise BadInput("scenario.contact_seconds", problem, allowed)
+    schedule = np.asarray(case.relaxation.schedule)
+    if not schedule.size or not np.all(np.isfinite(schedule)) or np.any(schedule < 0):
+        problem = f"{list(case.relaxation.schedule)} was given"
+        raise BadInput("relaxation.schedule", problem, "one or more finite numbers, none below 0")
+
+
+def _vehicle(case: Case) -> None:
+    """It moves in space, can hover, and has the coordinates that the scenario speaks of."""
+    model, scenario = case.model, case.scenario
+    if missing := [axis for axis in AXES if axis not in model.configuration.names]:
+        problem = f"'{case.names['vehicle']}' has no coordinate {missing[0]} and cannot fly this scenario"
+        raise IncompatibleCase("vehicle", problem, "a vehicle with the coordinates x, y, z")
+    scenario.limits(model)
+    scenario.planned_rates(model)
+    limits = model.inputs
+    for name, unit, u, low, high in zip(
+        limits.names, limits.units, model.hover(), limits.lower, limits.upper, strict=True
+    ):
+        if not low <= u <= high:
+            problem = f"cannot hover: {name} would have to be {u:.4g} {unit}"
+            raise BadInput(
+                "vehicle", problem, f"its limits, {low:g} to {high:g} {unit}, wide enough for that"
+            )
 
 
 def _pose(which: str, q: Array, case: Case) -> None:
@@ -38,39 +74,61 @@ def _pose(which: str, q: Array, case: Case) -> None:
         limits.names, limits.units, q, limits.lower, limits.upper, strict=True
     ):
         if not low <= value <= high:
-            raise BadInput(
-                f"scenario.{which}.{name}",
-                f"{value:g} {unit} is outside its limits",
-                f"{low:g} to {high:g} {unit}",
-            )
+            problem, allowed = f"{value:g} {unit} is outside its limits", f"{low:g} to {high:g} {unit}"
+            raise BadInput(f"scenario.{which}.{name}", problem, allowed)
 
 
 def _reachable(case: Case) -> None:
+    """Some time the target is near where the vehicle may be, and there is time to go there and to the end."""
     scenario, model = case.scenario, case.model
     plant = model.plant()
     latest = scenario.travel_time[1]
     target, _ = sample(scenario.target, np.linspace(0.0, latest, 301))
     if not np.all(np.isfinite(target)):
-        raise BadInput(
-            "scenario.target", "gives positions that are not finite numbers", "finite positions in m"
-        )
+        raise BadInput("scenario.target", "gives positions that are not finite", "finite positions in m")
     limits = scenario.limits(model)
     reach = arm_reach(model, plant) + max(
         (c.limit for c in scenario.contacts.values() if c.unit == "m"), default=0.0
     )
-    for axis in ("x", "y", "z"):
+    for axis, column in zip(AXES, target.T, strict=True):
         i = limits.index(axis)
         low, high = limits.lower[i] - reach, limits.upper[i] + reach
-        column = target[:, "xyz".index(axis)]
         if not np.any((column >= low) & (column <= high)):
-            raise BadInput(
-                "scenario.target",
-                f"is out of reach: its {axis} runs from {column.min():g} to {column.max():g} m",
-                f"{axis} between {low:g} and {high:g} m at some time",
-            )
+            problem = f"is out of reach: its {axis} goes from {column.min():g} to {column.max():g} m"
+            raise BadInput("scenario.target", problem, f"{axis} between {low:g} and {high:g} m at some time")
     bound = lower_bound(scenario, model, plant)
-    if not bound <= latest:
-        raise BadInput(
-            "scenario.travel_time", f"{latest:g} s are too short: target and end are {bound:.3g} s away at full speed",
-            f"an upper limit of at least {bound:.3g} s",
-        )  # fmt: skip
+    if bound == np.inf:
+        problem = f"is out of reach: at full speed the vehicle does not meet it within {latest:g} s"
+        raise BadInput("scenario.target", problem, "a nearer target, or a longer scenario.travel_time")
+    if bound > latest:
+        problem = f"{latest:g} s are too short, at full speed the flight takes {bound:.3f} s"
+        raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
+
+
+def _solver(case: Case) -> None:
+    """Let the solver prepare a problem with one unknown: settings that it refuses show here."""
+    said = io.StringIO()
+    setup = Setup(case.time_limit, case.iteration_limit, case.accuracy, "never")
+    try:
+        with contextlib.redirect_stdout(said):
+            case.solver.prepare(_smallest(), setup)
+    except IncompatibleCase:
+        return  # it needs a problem with a certain structure; this one has none
+    except RuntimeError as error:
+        reason = re.sub(r"^\S+\.[ch]pp:\d+: ", "", str(error).strip().splitlines()[-1])
+        reason += f" ({said.getvalue().strip().splitlines()[0]})" if said.getvalue().strip() else ""
+        options = getattr(case.solver, "options", None)
+        problem = f"'{case.names['solver']}' refuses its settings{f' {options}' if options else ''}: {reason}"
+        raise BadInput("solver", problem, "what the solver's own manual names") from None
+
+
+def _smallest() -> Mpcc:
+    """Minimise (x - 1)^2 for -2 <= x <= 2."""
+    z, p, sigma = ca.SX.sym("z"), ca.SX.sym("p", 0), ca.SX.sym("sigma")
+    zero, two = np.zeros((1, 1)), np.full((1, 1), 2.0)
+    read = (rows("x", 1, [0]),)
+    cost = Block(
+        "probe_cost", ca.Function("probe_cost", [z, p, sigma], [(z - 1) ** 2]), read, zero[:, :0], zero, zero
+    )
+    row = Block("probe_row", ca.Function("probe_row", [z, p, sigma], [z]), read, zero[:, :0], -two, two)
+    return Mpcc((Variable("x", -two, two, zero),), (row,), (cost,))

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from pydantic import ValidationError
 
-from benchbench.errors import BadInput
+from benchbench.errors import BadInput, invalid
 from benchbench.model import Coordinates, Model, Plant, box
 from benchbench.plan import Array
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
@@ -42,8 +42,7 @@ class AerialManipulator(Model):
         try:
             self.parameters = Parameters(**parameters)
         except ValidationError as error:
-            first = error.errors()[0]
-            raise BadInput(".".join(["vehicle", *map(str, first["loc"])]), f"{first['msg']}") from None
+            raise invalid("vehicle", error, Parameters.model_fields) from None
         self.name, self.force_model = name, force_model
 
     @property

@@ -31,7 +31,10 @@ class Spline(Motion):
     def points(self) -> Array:
         """The rows of the file, (n, 4); raises BadInput when the file is missing or malformed."""
         try:
-            table = np.loadtxt(self.csv, delimiter=",", skiprows=1, ndmin=2)
+            header, *lines = self.csv.read_text(encoding="utf-8-sig").splitlines() or [""]
+            if [name.strip() for name in header.split(",")] != ["t", "x", "y", "z"]:
+                raise BadInput(FIELD, f"has the header '{header[:40]}'", "t,x,y,z")
+            table = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.zeros((0, 4))
         except OSError:
             raise BadInput(FIELD, f"cannot read '{self.csv}'", "a CSV file with the header t,x,y,z") from None
         except ValueError as error:

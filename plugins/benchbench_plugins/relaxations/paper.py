@@ -26,6 +26,7 @@ class Paper(Relaxation):
 
     schedule: tuple[float, ...] = (0.0,)
     kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    accuracy: float = 5e-2  # its limits stay as they are
     smoothing: float = 1e-3
     limit_product: float = 1e-2
 

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc import PairKind
-from benchbench.relaxation import Relaxation, Relaxed
+from benchbench.relaxation import Relaxation, Relaxed, Schedule
 
 
 @final
@@ -20,7 +20,7 @@ class Scholtes(Relaxation):
     sigma bounds the product; vanishing pairs become G >= 0, G H <= sigma (Izmailov & Solodov 2009).
     """
 
-    schedule: tuple[float, ...] = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
+    schedule: Schedule = (1e-2, 1e-4, 1e-7)
     kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
 
     def relax(

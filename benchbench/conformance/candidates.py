@@ -1,0 +1,87 @@
+"""What there is to test: every installed plugin, in every configuration that names it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import hydra
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.object_type import ObjectType
+from hydra.errors import InstantiationException
+from omegaconf import OmegaConf
+
+from benchbench import config
+from benchbench.registry import installed
+
+GROUPS = {
+    "models": "vehicle",
+    "dynamics": "dynamics",
+    "contacts": "scenario/contact",
+    "relaxations": "relaxation",
+    "solvers": "solver",
+}
+"""Where the YAML files of a family are."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One plugin as configured; `error` says why it cannot even be built."""
+
+    name: str
+    kind: type | None
+    settings: dict[str, Any]
+    error: str = ""
+
+    def build(self, **changes: Any) -> Any:
+        """Return the plugin, some settings replaced; raises AssertionError when it cannot be built."""
+        if self.kind is None:
+            raise AssertionError(f"{self.name}: {self.error}")
+        try:
+            return hydra.utils.instantiate(
+                {"_target_": f"{self.kind.__module__}.{self.kind.__qualname__}", **self.settings, **changes},
+                _convert_="all",
+            )
+        except InstantiationException as error:
+            raise AssertionError(f"{self.name} cannot be built from {self.settings}: {error}") from error
+
+
+@cache
+def candidates(family: str) -> tuple[Candidate, ...]:
+    """Return every configured plugin of a family, and every installed one that no YAML names."""
+    plugins = installed(family)
+    names = {plugin.kind: plugin.name for plugin in plugins if plugin.kind}
+    configured = [_candidate(label, settings, names) for label, settings in _settings(GROUPS[family])]
+    seen = {candidate.kind for candidate in configured}
+    bare = [Candidate(p.name, p.kind, {}, p.error) for p in plugins if p.kind is None or p.kind not in seen]
+    return (*configured, *bare)
+
+
+def _candidate(label: str, settings: dict[str, Any], names: dict[type, str]) -> Candidate:
+    """Find the class; `label` is the YAML's name, put behind the plugin's where they differ."""
+    try:
+        kind = hydra.utils.get_class(settings["_target_"])
+    except Exception as error:  # noqa: BLE001  # importing somebody's module can raise anything
+        return Candidate(label, None, {}, f"{settings.get('error') or error}")
+    name = names.get(kind, label)
+    rest = {key: value for key, value in settings.items() if key != "_target_"}
+    return Candidate(name if name == label else f"{name}-{label}", kind, rest)
+
+
+def _settings(group: str) -> Iterator[tuple[str, dict[str, Any]]]:
+    with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
+        for name in GlobalHydra.instance().config_loader().get_group_options(group, ObjectType.CONFIG):
+            try:
+                composed = OmegaConf.to_container(hydra.compose(f"{group}/{name}"), resolve=True)
+            except Exception as error:  # noqa: BLE001  # a YAML file can be wrong in any way
+                composed = {"error": f"{group}/{name}.yaml: {error}"}
+            yield name, _innermost(composed)
+
+
+def _innermost(tree: Any) -> dict[str, Any]:
+    """Return the mapping with a `_target_`, wherever its package put it."""
+    while isinstance(tree, dict) and "_target_" not in tree and len(tree) == 1 and "error" not in tree:
+        tree = next(iter(tree.values()))
+    return tree if isinstance(tree, dict) else {"error": "has no _target_"}

@@ -1,0 +1,297 @@
+"""What is required of a dynamics plugin, whatever its unknowns are called.
+
+order         nodal values converge with `order` to the motion of the plant under the same inputs, for any
+              model: forced, damped, with a mass matrix that depends on q; also over phases of unequal steps
+consistency   one step from an exact state errs with `order` + 1
+square        start, times and inputs determine everything else
+reading       decode(encode(plan)) is the plan; the node view says what decode says, on any phases
+limits        the scenario's limits of coordinates, rates, inputs and travel time are kept at every node,
+              as bounds or as inequality rows; start and end are fixed by bounds
+cost          t_N + c_u sum h |u - u_ref|^2
+Control points of curved inputs ("bezier") are only guessed by encode, so their reading and limits are not checked.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+
+import casadi as ca
+import numpy as np
+
+from benchbench.conformance.checks.initial_value import (
+    Signal,
+    Transcribed,
+    fly,
+    integrate,
+    one_phase,
+    scenario_of,
+    told,
+    transcribe,
+)  # fmt: skip
+from benchbench.conformance.checks.require import close, require
+from benchbench.conformance.checks.states import at_rest, limited
+from benchbench.dynamics import Dynamics, Grid, Phase
+from benchbench.model import Model
+from benchbench.mpcc import Mpcc, evaluate, gather
+from benchbench.plan import Array, Plan
+
+FLOOR = 1e-12
+"""Errors below this are rounding and say nothing about an order."""
+STATES = ("time", "configuration", "velocity")
+THREE_PHASES = Grid(
+    (
+        Phase("approach", 3, 1e-4, 30, 0.3),
+        Phase("contact", 2, 1e-4, 30, 0.1),
+        Phase("leave", 4, 1e-4, 30, 0.6),
+    )
+)
+
+
+def check_order(dynamics: Dynamics, model: Model, seconds: float = 0.4) -> str:
+    """Whole flights on 2 to 16 intervals; returns what was measured."""
+    signal = wave(model)
+    errors = [flight_error(dynamics, model, one_phase(count, seconds), signal) for count in (2, 4, 8, 16)]
+    return _judge(errors, dynamics.order, "order")
+
+
+def check_consistency(dynamics: Dynamics, model: Model) -> str:
+    """Single steps of 0.2 to 0.0125 s from an exact state under one constant input; returns what was measured."""
+    at_once = wave(model)(np.zeros(1))
+    errors = [
+        flight_error(dynamics, model, one_phase(1, step), lambda time: np.repeat(at_once, len(time), axis=0))
+        for step in (0.2, 0.1, 0.05, 0.025, 0.0125)
+    ]
+    return _judge(errors, dynamics.order + 1, "local order")
+
+
+def check_phases(dynamics: Dynamics, model: Model) -> str:
+    """Flights of 0.4 s over three phases of different steps, each refined twice; returns what was measured."""
+    signal = wave(model)
+    errors = [flight_error(dynamics, model, _three(m), signal) for m in (1, 2, 4)]
+    return _judge(errors, dynamics.order, "order on three phases")
+
+
+def _three(refined: int) -> Grid:
+    spans = {"approach": (2, 0.2), "contact": (1, 0.05), "leave": (1, 0.15)}
+    return Grid(tuple(Phase(name, count * refined, s, s, s) for name, (count, s) in spans.items()))
+
+
+def flight_error(dynamics: Dynamics, model: Model, grid: Grid, signal: Signal) -> float:
+    """Largest error of nodal q and v against the plant, from a moving start under the same sampled inputs."""
+    transcribed = transcribe(dynamics, model, grid)
+    n = len(model.configuration.names)
+    order = told(transcribed, at_rest(model) + 0.1, 0.2 * np.cos(np.arange(n)), signal)
+    exact = fly(model, transcribed.decode(transcribed.encode(order)))
+    got = integrate(transcribed, order, exact)
+    error_q, error_v = got.configuration - exact.configuration, got.velocity - exact.velocity
+    return float(max(np.max(np.abs(error_q)), np.max(np.abs(error_v))))
+
+
+def wave(model: Model) -> Signal:
+    """Hover and a slow wave on each input, five percent of its range."""
+    low, high = limited(model.inputs)
+    phase = np.arange(len(low))
+    return lambda time: model.hover() + 0.05 * (high - low) * np.sin(5 * time[:, None] + 1 + phase)
+
+
+def _judge(errors: list[float], wanted: float, what: str) -> str:
+    pairs = [(a, b) for a, b in pairwise(errors) if b > FLOOR]
+    measured = float(np.log2(pairs[-1][0] / pairs[-1][1])) if pairs else np.inf
+    text = f"{what} {measured:.2f}, declared {wanted:g}; errors {', '.join(f'{e:.1e}' for e in errors)}"
+    require(measured >= wanted - 0.2, text)
+    return text
+
+
+def energy_errors(
+    dynamics: Dynamics, model: Model, seconds: float = 5.0, step: float = 0.05
+) -> tuple[float, float]:
+    """Largest energy error of a swing without work, relative to the energy range of the exact flight's parts.
+
+    Returns the first and the second half's maximum: equal for a symplectic method, growing for others.
+    The model must be conservative under hover().
+    """
+    transcribed = transcribe(dynamics, model, one_phase(round(seconds / step), seconds))
+    plan = told(
+        transcribed, at_rest(model) + 1.0, 0 * at_rest(model), lambda t: np.tile(model.hover(), (len(t), 1))
+    )
+    got = integrate(transcribed, plan, fly(model, plan))
+    n = len(model.configuration.names)
+    q, v = ca.SX.sym("q", n), ca.SX.sym("v", n)
+    lagrangian, kinetic = model.lagrangian(q, v), model.lagrangian(q, v) - model.lagrangian(q, ca.SX.zeros(n))
+    energy = ca.Function("energy", [q, v], [2 * kinetic - lagrangian, kinetic])
+    total, moving = (np.asarray(x).ravel() for x in energy(got.configuration.T, got.velocity.T))
+    error = np.abs(total - total[0]) / np.max(moving)
+    half = len(error) // 2
+    return float(np.max(error[:half])), float(np.max(error[half:]))
+
+
+def check_reading(dynamics: Dynamics, model: Model) -> None:
+    """Decode after encode, and the node view, on one and on three phases."""
+    for grid in (one_phase(6, 0.9), THREE_PHASES):
+        transcribed = transcribe(dynamics, model, grid)
+        plan = _random_plan(transcribed)
+        again = transcribed.decode(transcribed.encode(plan))
+        exactly = STATES if plan.interpolation == "bezier" else (*STATES, "inputs")
+        for what in exactly:
+            close(getattr(again, what), getattr(plan, what), 1e-12, f"{what} after encode and decode")
+        _check_node_view(transcribed)
+
+
+def _random_plan(transcribed: Transcribed) -> Plan:
+    draw = np.random.default_rng(5)
+    plan = transcribed.decode(transcribed.mpcc.guess)
+    parts = {k: getattr(plan, k) for k in ("configuration", "velocity", "inputs")}
+    return replace(plan, **{k: part + draw.uniform(-0.2, 0.2, part.shape) for k, part in parts.items()})
+
+
+def _check_node_view(transcribed: Transcribed) -> None:
+    mpcc, trajectory = transcribed.mpcc, transcribed.trajectory
+    nodes = range(trajectory.grid.intervals)
+    x = transcribed.encode(_random_plan(transcribed))
+    plan, node = transcribed.decode(x), trajectory.node
+    index = np.concatenate(
+        [slot.index + mpcc.offsets[slot.variable] for slot in trajectory.slots(nodes)], axis=1
+    )
+    view = ca.Function("view", [node.z, node.p], [node.time, node.configuration, node.velocity])
+    time, q, v = (
+        np.asarray(out).T for out in view.map(len(nodes))(x[index].T, trajectory.parameters(nodes).T)
+    )
+    close(time[:, 0], plan.time[:-1], 1e-12, "time of the node view against decode")
+    close(q, plan.configuration[:-1], 1e-12, "configuration of the node view against decode")
+    close(v, plan.velocity[:-1], 1e-12, "velocity of the node view against decode")
+
+
+def check_limits(dynamics: Dynamics, model: Model) -> None:
+    """A flight at rest keeps everything; passing any one limit at any one node is noticed."""
+    first, rest = model.configuration.names[0], at_rest(model)
+    scenario = scenario_of(
+        model, workspace={first: (rest[0] - 0.5, rest[0] + 0.5)}, rate_margin={first: 0.1}, travel_time=(0.01, 30.0),
+    )  # fmt: skip
+    boxes = {
+        "configuration": scenario.limits(model), "velocity": scenario.planned_rates(model), "inputs": model.inputs,
+    }  # fmt: skip
+    for grid in (Grid((Phase("flight", 6, 0.01, 30.0, 0.05),)), THREE_PHASES):
+        transcribed = transcribe(dynamics, model, grid, scenario)
+        still = transcribed.decode(transcribed.encode(_at_rest_for(transcribed, model, 0.05)))
+        _expect(transcribed, still, False, "a flight at rest")
+        for seconds in (0.009, 31.0):
+            _expect(transcribed, _at_rest_for(transcribed, model, seconds), True, f"a flight of {seconds} s")
+        if still.interpolation == "bezier":
+            boxes.pop("inputs", None)
+        for what, box in boxes.items():
+            for row, i, limit, inwards, name in _limits(box, getattr(still, what)):
+                if what == "inputs" or 0 < row < len(still.time) - 1:
+                    _expect(
+                        transcribed,
+                        _moved(still, what, row, i, limit + 0.01 * inwards),
+                        False,
+                        f"{name} inside",
+                    )
+                _expect(
+                    transcribed,
+                    _moved(still, what, row, i, limit - 0.01 * inwards),
+                    True,
+                    f"{what} {name} passed",
+                )
+        for row in (0, -1):
+            _expect(
+                transcribed,
+                _moved(still, "configuration", row, 0, rest[0] + 0.01),
+                True,
+                "start or end moved",
+            )
+            _expect(transcribed, _moved(still, "velocity", row, 0, 0.01), True, "start or end not at rest")
+
+
+def check_hover_ends(dynamics: Dynamics, model: Model) -> None:
+    """`hover_ends` fixes the first and the last input, and only these."""
+    transcribed = transcribe(dynamics, model, one_phase(6, 0.05), scenario_of(model, hover_ends=True))
+    still = _at_rest_for(transcribed, model, 0.05)
+    for row in range(len(still.inputs)):
+        u = _moved(still, "inputs", row, 0, still.inputs[row, 0] + 0.01)
+        ends = row in (0, len(still.inputs) - 1)
+        _expect(transcribed, u, ends, f"input {row} of {len(still.inputs)} off hover")
+
+
+def check_cost(dynamics: Dynamics, model: Model) -> None:
+    """Travel time at hover; with held inputs off hover the effort adds exactly."""
+    transcribed = transcribe(dynamics, model, THREE_PHASES, scenario_of(model, input_cost=0.01))
+    still = _at_rest_for(transcribed, model, 0.7)
+    close(_cost(transcribed, still), 0.7, 1e-12, "cost at hover against the travel time")
+    off = replace(
+        still, inputs=still.inputs + np.random.default_rng(6).uniform(-0.1, 0.1, still.inputs.shape)
+    )
+    found = _cost(transcribed, off)
+    require(found > 0.7, "inputs off hover cost nothing")
+    if still.interpolation == "hold":
+        effort = np.diff(still.time) @ np.sum((off.inputs - model.hover()) ** 2, axis=1)
+        close(found, 0.7 + 0.01 * effort, 1e-12, "cost off hover against t_N + c_u sum h |u - u_ref|^2")
+
+
+def check_blocks(dynamics: Dynamics, model: Model) -> None:
+    """Shapes of blocks, and every unknown is used somewhere."""
+    mpcc = transcribe(dynamics, model, THREE_PHASES).mpcc
+    used = np.zeros(mpcc.size, bool)
+    for block in (*mpcc.constraints, *mpcc.costs):
+        index = gather(block, mpcc.offsets)
+        sizes = (block.function.size1_in(0), block.function.size1_in(1), block.function.size1_out(0))
+        shapes = (index.shape, block.parameters.shape, block.lower.shape)
+        wanted = tuple((block.instances, size) for size in sizes)
+        require(shapes == wanted, f"block {block.name}: slots, parameters, bounds are {shapes}, not {wanted}")
+        used[index.ravel()] = True
+    require(np.all(used), f"{np.sum(~used)} unknowns are in no constraint and no cost")
+
+
+def _limits(box: object, values: Array) -> Iterator[tuple[int, int, float, float, str]]:
+    """Every finite limit in five rows: row, column, limit, a step inwards, name."""
+    for row in (0, 1, len(values) // 2, len(values) - 2, len(values) - 1):
+        for i, name in enumerate(box.names):  # type: ignore[attr-defined]
+            for limit, other in ((box.lower[i], box.upper[i]), (box.upper[i], box.lower[i])):  # type: ignore[attr-defined]
+                if np.isfinite(limit):
+                    inwards = np.clip(other - limit, -1.0, 1.0)
+                    yield row, i, limit, inwards, f"{name} at row {row}"
+
+
+def _at_rest_for(transcribed: Transcribed, model: Model, seconds: float) -> Plan:
+    plan = transcribed.decode(transcribed.mpcc.guess)
+    rest = np.tile(at_rest(model), (len(plan.time), 1))
+    return replace(
+        plan, time=plan.time * seconds / plan.travel_time, configuration=rest, velocity=0 * rest,
+        inputs=np.tile(model.hover(), (len(plan.inputs), 1)),
+    )  # fmt: skip
+
+
+def _moved(plan: Plan, what: str, row: int, column: int, value: float) -> Plan:
+    values = getattr(plan, what).copy()
+    values[row, column] = value
+    return replace(plan, **{what: values})
+
+
+def _expect(transcribed: Transcribed, plan: Plan, broken: bool, what: str) -> None:
+    """Fail unless bounds and inequality rows say `broken`."""
+    violation = inequality_violation(transcribed.mpcc, transcribed.encode(plan))
+    require(
+        (violation > 1e-7) == broken, f"{what}: {'not noticed' if broken else f'violation {violation:.1e}'}"
+    )
+
+
+def inequality_violation(mpcc: Mpcc, x: Array) -> float:
+    """Largest violation of bounds and of rows that are no equations, at x (n,)."""
+    worst = float(np.max(np.maximum(mpcc.lower - x, x - mpcc.upper), initial=0.0))
+    for block in mpcc.constraints:
+        unequal = block.lower < block.upper
+        if np.any(unequal):
+            out = evaluate(block, mpcc, x)
+            over = np.maximum(block.lower - out, out - block.upper)[unequal]
+            worst = max(worst, float(np.max(over, initial=0.0)))
+    return worst
+
+
+def _cost(transcribed: Transcribed, plan: Plan) -> float:
+    x = transcribed.encode(plan)
+    return float(sum(np.sum(evaluate(block, transcribed.mpcc, x)) for block in transcribed.mpcc.costs))
+
+
+CHECKS = (check_reading, check_limits, check_hover_ends, check_cost, check_blocks)

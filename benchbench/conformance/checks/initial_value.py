@@ -1,0 +1,159 @@
+"""A transcription as an integrator: fix where a flight starts and what it is told, solve for the rest."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from benchbench.assemble import assemble
+from benchbench.conformance.checks.require import require
+from benchbench.conformance.checks.states import at_rest
+from benchbench.dynamics import Dynamics, Grid, Phase, Trajectory
+from benchbench.model import Model
+from benchbench.motion import Motion
+from benchbench.mpcc import Mpcc
+from benchbench.plan import Array, Plan
+from benchbench.scenario import Scenario
+
+Signal = Callable[[Array], Array]
+"""Times (n,) s to inputs (n, n_u)."""
+
+
+class Nowhere(Motion):
+    """A target at the origin, for scenarios without any contact."""
+
+    @property
+    def parameters(self) -> Array:
+        """None."""
+        return np.zeros(0)
+
+    def position(self, time: ca.SX, parameters: ca.SX) -> ca.SX:
+        """Origin."""
+        return ca.SX.zeros(3)
+
+
+def scenario_of(model: Model, **changes: object) -> Scenario:
+    """Start and end at rest in one configuration, nothing to touch."""
+    pose = dict(zip(model.configuration.names, at_rest(model).tolist(), strict=True))
+    fields: dict[str, object] = {
+        "name": "conformance",
+        "start": pose,
+        "end": pose,
+        "target": Nowhere(),
+        "contacts": {},
+    }
+    return Scenario(**(fields | changes))  # type: ignore[arg-type]
+
+
+def one_phase(intervals: int, seconds: float) -> Grid:
+    """Time axis of fixed length."""
+    return Grid((Phase("flight", intervals, seconds, seconds, seconds),))
+
+
+@dataclass(frozen=True)
+class Transcribed:
+    """A dynamics plugin's answer for a model on a grid."""
+
+    mpcc: Mpcc
+    trajectory: Trajectory
+
+    @property
+    def interpolation(self) -> str:
+        """How its plans say inputs act between nodes."""
+        return self.decode(self.mpcc.guess).interpolation
+
+    def decode(self, x: Array) -> Plan:
+        """Plan of stacked unknowns (n,)."""
+        return self.trajectory.decode(self.mpcc.split(x), np.zeros(self.trajectory.grid.intervals + 1))
+
+    def encode(self, plan: Plan) -> Array:
+        """Stacked unknowns (n,), guessed from a plan; what `encode` does not give keeps its guess."""
+        values = self.mpcc.split(self.mpcc.guess) | self.trajectory.encode(plan)
+        return np.concatenate([np.ravel(values[v.name]) for v in self.mpcc.variables])
+
+
+def transcribe(dynamics: Dynamics, model: Model, grid: Grid, scenario: Scenario | None = None) -> Transcribed:
+    """Ask the plugin."""
+    return Transcribed(*dynamics.transcribe(scenario or scenario_of(model), model, grid))
+
+
+def fly(model: Model, plan: Plan) -> Plan:
+    """Replace the states of a plan by those its inputs lead to from its start: DOP853 on the plant, 1e-13."""
+    plant, n = model.plant(), plan.configuration.shape[1]
+    states = [np.concatenate([plan.configuration[0], plan.velocity[0]])]
+    for t0, t1 in zip(plan.time[:-1], plan.time[1:], strict=True):
+
+        def flow(
+            t: float, y: Array, inside: float = (t0 + t1) / 2, held: bool = plan.interpolation == "hold"
+        ) -> Array:
+            u = plan.input_at(np.array([inside if held else t]))[0]
+            return np.concatenate([y[n:], plant.acceleration(y[:n], y[n:], u)])
+
+        states.append(solve_ivp(flow, (t0, t1), states[-1], method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1])
+    y = np.array(states)
+    return replace(plan, configuration=y[:, :n], velocity=y[:, n:])
+
+
+def told(transcribed: Transcribed, q0: Array, v0: Array, signal: Signal) -> Plan:
+    """A plan that stays at q0, v0, with a signal sampled as the dynamics declares its inputs."""
+    plan = transcribed.decode(transcribed.mpcc.guess)
+    time = plan.time
+    at = (time[:-1] + time[1:]) / 2 if plan.interpolation == "hold" else plan.input_times
+    tile = (len(time), 1)
+    return replace(plan, configuration=np.tile(q0, tile), velocity=np.tile(v0, tile), inputs=signal(at))
+
+
+def integrate(transcribed: Transcribed, order: Plan, guess: Plan | None = None) -> Plan:
+    """Solve the transcription's equations by Newton's method, with start, times and inputs of `order` held.
+
+    The inputs are those that `order` becomes when it is encoded; the other unknowns start from `guess`.
+    Fails when the equations do not determine the rest, or Newton does not end.
+    """
+    mpcc = transcribed.mpcc
+    program = assemble(Mpcc(mpcc.variables, mpcc.constraints), "never")
+    equal = np.flatnonzero(program.lower_g == program.upper_g)
+    x = transcribed.encode(order)
+    free = np.flatnonzero(~_given(transcribed, x))
+    x[free] = transcribed.encode(guess or order)[free]
+    require(
+        len(free) == len(equal),
+        f"{len(free)} unknowns are left when start, times and inputs are fixed, but there are {len(equal)} equations",
+    )
+    for _ in range(30):
+        g, jacobian = program.jacobian(x, 0.0)
+        residual = np.asarray(g).ravel()[equal] - program.lower_g[equal]
+        step = splu(_sparse(jacobian)[equal, :][:, free].tocsc()).solve(-residual)
+        x[free] += step
+        if np.max(np.abs(step)) < 1e-12 * (1 + np.max(np.abs(x))):
+            return transcribed.decode(x)
+    raise AssertionError(
+        f"the equations cannot be solved near the guess; last Newton step {np.max(np.abs(step)):.1e}"
+    )
+
+
+def _given(transcribed: Transcribed, x: Array) -> NDArray[np.bool_]:
+    """Which unknowns decide times, inputs and the first state of the decoded plan; found by moving each."""
+
+    def said(at: Array) -> Array:
+        plan = transcribed.decode(at)
+        return np.concatenate([plan.time, plan.inputs.ravel(), plan.configuration[0], plan.velocity[0]])
+
+    before, given = said(x), np.zeros(len(x), bool)
+    for i in range(len(x)):
+        moved = x.copy()
+        moved[i] += 1e-3
+        given[i] = not np.array_equal(said(moved), before)
+    return given
+
+
+def _sparse(matrix: ca.DM) -> csc_array:
+    return csc_array(
+        (np.array(matrix.nonzeros()), matrix.row(), matrix.sparsity().colind()), shape=matrix.shape
+    )

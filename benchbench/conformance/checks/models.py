@@ -1,0 +1,133 @@
+"""What is required of a model: a Lagrangian system whose symbols and whose independent plant say the same.
+
+limits      equal lengths and names, lower <= upper, hover() within the input limits
+Lagrangian  L = v^T M(q) v / 2 - V(q) with M symmetric positive definite
+motion      the Euler-Lagrange equations give the plant's accelerations
+forces      Q . v is the power that the plant's energy gains in any direction v (virtual work)
+geometry    tool() and nose() equal the plant's; tool velocity is its derivative; nose has length one
+rest        hover() holds some configuration within the limits
+plant       batched over leading axes
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from benchbench.conformance.checks.require import close, require
+from benchbench.conformance.checks.states import at_rest, limited, random_states, symbols
+from benchbench.model import Model
+from benchbench.plan import Array
+
+
+def check_limits(model: Model) -> None:
+    """Names, units and limits fit together."""
+    for what in ("configuration", "velocity", "inputs"):
+        of = getattr(model, what)
+        n = len(of.names)
+        shapes = {np.shape(of.lower), np.shape(of.upper), (len(of.units),)}
+        require(shapes == {(n,)}, f"{what}: {n} names, but units and limits have shapes {shapes}")
+        require(n > 0 and len(set(of.names)) == n, f"{what}: names {of.names} repeat or are missing")
+        require(np.all(of.lower <= of.upper), f"{what}: a lower limit exceeds its upper limit or is NaN")
+    require(model.velocity.names == model.configuration.names, "velocity needs the names of configuration")
+    inputs, hover = model.inputs, np.asarray(model.hover())
+    require(hover.shape == inputs.lower.shape, f"hover() has shape {hover.shape}")
+    require(np.all((hover >= inputs.lower) & (hover <= inputs.upper)), f"hover() = {hover} breaks the limits")
+
+
+def check_mass_matrix(model: Model) -> None:
+    """M(q) = d2L/dv2 is symmetric positive definite, and L = v^T M v / 2 + L(q, 0)."""
+    of = symbols(model)
+    for q, v, _ in zip(*random_states(model, 20), strict=True):
+        mass = np.asarray(of.mass(q, v))
+        close(mass, mass.T, 1e-12, "mass matrix against its transpose")
+        smallest = np.linalg.eigvalsh(mass)[0]
+        require(
+            smallest > 1e-12 * np.trace(mass), f"mass matrix has the eigenvalue {smallest:.2e} at q = {q}"
+        )
+        kinetic = float(of.lagrangian(q, v) - of.lagrangian(q, 0 * v))
+        close(v @ mass @ v / 2, kinetic, 1e-10, "v^T M v / 2 against L(q, v) - L(q, 0)")
+
+
+def check_acceleration(model: Model) -> None:
+    """Euler-Lagrange equations of the symbols against the plant."""
+    of, states = symbols(model), random_states(model, 40)
+    ours = [np.asarray(of.acceleration(*state)).ravel() for state in zip(*states, strict=True)]
+    close(model.plant().acceleration(*states), ours, 1e-8, "the plant's acceleration against the symbols'")
+
+
+def check_virtual_work(model: Model) -> None:
+    """Q . v equals dE/dt along the plant's motion, by central differences of E; random v span all directions."""
+    of, plant = symbols(model), model.plant()
+    for q, v, u in zip(*random_states(model, 20, seed=1), strict=True):
+        a = plant.acceleration(q, v, u)
+        energies = [
+            float(of.energy(q + s * v + s * s / 2 * a, v + s * a)) for s in (-2e-4, -1e-4, 1e-4, 2e-4)
+        ]
+        power = (energies[0] - 8 * energies[1] + 8 * energies[2] - energies[3]) / 12e-4
+        given = float(v @ np.asarray(of.force(q, v, u)).ravel())
+        scale = 1 + abs(float(of.energy(q, v)))
+        close(power / scale, given / scale, 1e-7, "power gained by the plant against Q . v")
+
+
+def check_energy(model: Model) -> None:
+    """The symbols' motion under random held inputs gains exactly the work of Q."""
+    of, q0 = symbols(model), at_rest(model)
+    n = len(q0)
+    draw = np.random.default_rng(2)
+    share = draw.uniform(0, 0.2, len(model.inputs.names))
+    u = (1 - share) * model.hover() + share * limited(model.inputs)[1]
+    start = np.concatenate([q0, draw.uniform(-0.3, 0.3, n), [0.0]])
+
+    def flow(t: float, y: Array) -> Array:
+        q, v = y[:n], y[n : 2 * n]
+        a, force = (np.asarray(f(q, v, u)).ravel() for f in (of.acceleration, of.force))
+        return np.concatenate([v, a, [v @ force]])
+
+    end = solve_ivp(flow, (0, 0.3), start, method="DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
+    gained = float(of.energy(end[:n], end[n : 2 * n]) - of.energy(q0, start[n : 2 * n]))
+    close(gained, end[-1], 1e-8, "energy gained in 0.3 s against the work of Q")
+
+
+def check_rest(model: Model) -> None:
+    """hover() holds a configuration within the limits, by plant and by symbols."""
+    q = at_rest(model)
+    a = np.asarray(symbols(model).acceleration(q, 0 * q, model.hover())).ravel()
+    close(a, 0 * q, 1e-8, "the symbols' acceleration at rest under hover()")
+
+
+def check_geometry(model: Model) -> None:
+    """tool() and nose() against the plant's."""
+    of, plant = symbols(model), model.plant()
+    q, v, _ = random_states(model, 20, seed=3)
+    position, velocity = plant.tool(q, v)
+    ours = [[np.asarray(x).ravel() for x in of.tool(*state)] for state in zip(q, v, strict=True)]
+    close(position, [p for p, _ in ours], 1e-10, "the plant's tool position against the symbols'")
+    close(velocity, [w for _, w in ours], 1e-10, "the plant's tool velocity against d tool / dt")
+    nose = plant.nose(q)
+    close(
+        nose, [np.asarray(of.nose(row)).ravel() for row in q], 1e-10, "the plant's nose against the symbols'"
+    )
+    close(np.linalg.norm(nose, axis=-1), np.ones(len(q)), 1e-10, "length of nose")
+    for name, line in plant.skeleton(q[0]).items():
+        require(line.ndim == 2 and line.shape[1] == 3, f"skeleton line {name} has shape {line.shape}")
+
+
+def check_batch(model: Model) -> None:
+    """The plant treats leading axes as a batch."""
+    plant, (q, v, u) = model.plant(), random_states(model, 6, seed=4)
+    single = [plant.acceleration(*state) for state in zip(q, v, u, strict=True)]
+    folded = plant.acceleration(*(x.reshape(2, 3, -1) for x in (q, v, u)))
+    close(folded.reshape(6, -1), single, 1e-12, "accelerations of a batch against one by one")
+    tips = [plant.tool(*state)[0] for state in zip(q, v, strict=True)]
+    close(
+        plant.tool(q.reshape(2, 3, -1), v.reshape(2, 3, -1))[0].reshape(6, 3), tips, 1e-12, "tool of a batch"
+    )
+    noses = plant.nose(q.reshape(2, 3, -1)).reshape(6, 3)
+    close(noses, [plant.nose(row) for row in q], 1e-12, "nose of a batch")
+
+
+CHECKS = (
+    check_limits, check_mass_matrix, check_acceleration, check_virtual_work, check_energy, check_rest,
+    check_geometry, check_batch,
+)  # fmt: skip

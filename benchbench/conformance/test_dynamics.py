@@ -1,0 +1,66 @@
+"""Every installed dynamics on every installed model against `checks.dynamics`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from benchbench.conformance.candidates import Candidate, candidates
+from benchbench.conformance.checks.dynamics import (
+    CHECKS,
+    check_consistency,
+    check_order,
+    check_phases,
+    energy_errors,
+)
+from benchbench.dynamics import Dynamics
+from benchbench.model import Model
+
+Record = Callable[[str, object], None]
+DYNAMICS = pytest.mark.parametrize("candidate", candidates("dynamics"), ids=lambda c: c.name)
+MODELS = pytest.mark.parametrize("model", candidates("models"), ids=lambda c: c.name)
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+@MODELS
+@DYNAMICS
+def test_dynamics(candidate: Candidate, model: Candidate, check: Callable[[Dynamics, Model], None]) -> None:
+    """One check of one dynamics on one model."""
+    check(candidate.build(), model.build())
+
+
+@MODELS
+@DYNAMICS
+def test_order(candidate: Candidate, model: Candidate, record_property: Record) -> None:
+    """Measured order of convergence."""
+    record_property(
+        "measured", f"{candidate.name} on {model.name}: {check_order(candidate.build(), model.build())}"
+    )
+
+
+@pytest.mark.parametrize("check", [check_phases, check_consistency], ids=lambda check: check.__name__)
+@DYNAMICS
+def test_order_on_the_pendulum(
+    candidate: Candidate, check: Callable[[Dynamics, Model], str], record_property: Record
+) -> None:
+    """Order over unequal phases, and of one step; forced and damped."""
+    record_property("measured", f"{candidate.name} on pendulum: {check(candidate.build(), pendulum())}")
+
+
+@DYNAMICS
+def test_energy(candidate: Candidate, record_property: Record) -> None:
+    """Energy error of a free swing of the pendulum, in its first and second half: reported, must be finite."""
+    first, second = energy_errors(candidate.build(), pendulum(damping=0.0))
+    behaviour = "bounded" if second < 1.2 * first else "drifts"
+    record_property(
+        "measured", f"{candidate.name} energy of a free swing: {first:.1e}, {second:.1e} ({behaviour})"
+    )
+    assert np.isfinite(first) and np.isfinite(second)
+
+
+def pendulum(**changes: float) -> Model:
+    """The built-in test model."""
+    model: Model = next(c for c in candidates("models") if c.name == "pendulum").build(**changes)
+    return model

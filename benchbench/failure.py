@@ -1,0 +1,44 @@
+"""The record of a run that ended without a plan: a sweep shows it as a row like any other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from benchbench.errors import BenchBenchError, IncompatibleCase, Unavailable
+from benchbench.storage import provenance
+from benchbench.storage.schema import Record, Status, make_record
+
+CHOICES = ("scenario", "vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
+
+
+def failed(error: BaseException, chosen: Mapping[str, Any], labels: Mapping[str, Any]) -> Record:
+    """Return the record of a run that `error` ended.
+
+    chosen: names of the choices by family; labels: other columns that are known by now.
+    """
+    names = {family: chosen[family] for family in CHOICES if family in chosen}
+    return make_record(
+        **provenance.collect(), **names, **labels, status=status(error), reasons=[reason(error)],
+        claimed_success=False, certified=False, peak_memory_mb=provenance.peak_memory_mb(),
+    )  # fmt: skip
+
+
+def status(error: BaseException) -> Status:
+    """Typed outcome of a run that ended with an error."""
+    match error:
+        case IncompatibleCase():
+            return Status.INCOMPATIBLE
+        case Unavailable():
+            return Status.UNAVAILABLE
+        case MemoryError():
+            return Status.OUT_OF_MEMORY
+    return Status.ERROR
+
+
+def reason(error: BaseException) -> str:
+    """One line: our own text as it is, another error with its type and last line, which names the cause."""
+    if isinstance(error, BenchBenchError):
+        return str(error)
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    return f"{type(error).__name__}: {lines[-1]}" if lines else type(error).__name__

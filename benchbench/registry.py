@@ -1,0 +1,51 @@
+"""Which plugins are installed: entry points, one group per family; a broken one is an answer, not a crash."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+
+FAMILIES = (
+    "models", "dynamics", "contacts", "motions", "relaxations", "solvers", "strategies", "guesses",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """One entry point of the group `benchbench.<family>`.
+
+    target        "module:Class" as registered
+    distribution  name of the package that registers it
+    kind          the class, or None when it could not be loaded
+    summary       first line of the class's docstring
+    error         why it could not be loaded, empty otherwise
+    """
+
+    family: str
+    name: str
+    target: str
+    distribution: str
+    kind: type | None
+    summary: str = ""
+    error: str = ""
+
+
+def installed(family: str) -> list[Plugin]:
+    """Return the plugins of one of `FAMILIES`, ordered by name; raises ValueError for another family."""
+    if family not in FAMILIES:
+        raise ValueError(f"there is no family {family!r}; families: {', '.join(FAMILIES)}")
+    found = {(entry.name, entry.value): entry for entry in entry_points(group=f"benchbench.{family}")}
+    return [_load(family, found[key]) for key in sorted(found)]
+
+
+def _load(family: str, entry: EntryPoint) -> Plugin:
+    origin = entry.dist.name if entry.dist else "unknown"
+    kind, error = None, ""
+    try:
+        kind = entry.load()
+    except Exception as problem:  # noqa: BLE001  # importing somebody's module can raise anything
+        error = f"{type(problem).__name__}: {problem}"
+    if not error and not isinstance(kind, type):
+        kind, error = None, f"{entry.value} is no class"
+    summary = ((kind.__doc__ or "").strip().splitlines() or [""])[0] if kind else ""
+    return Plugin(family, entry.name, entry.value, origin, kind, summary, error)

@@ -1,0 +1,33 @@
+"""The smoothed Fischer-Burmeister function."""
+
+from __future__ import annotations
+
+from typing import final
+
+import casadi as ca
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from benchbench.mpcc import PairKind
+from benchbench.relaxation import Relaxation, Relaxed, Schedule
+
+
+@final
+@dataclass(frozen=True)
+class FischerBurmeister(Relaxation):
+    """G, H >= 0 and G + H <= sqrt(G^2 + H^2 + 2 sigma^2), the same set as G H <= sigma^2.
+
+    Kanzow 1996, doi:10.1137/S0895479894273134; for MPCCs Facchinei, Jiang & Qi 1999,
+    doi:10.1007/s10107990015a, as an equation, which leaves out solutions of an MPCC (docs/relaxations.md).
+    sigma is the radius of the rounded corner. Vanishing pairs: G >= 0 and the same row, H of any sign.
+    """
+
+    schedule: Schedule = (3e-2, 3e-4)
+    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+
+    def relax(
+        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
+    ) -> Relaxed:
+        """Row G + H - root; the root's argument is at least 2 sigma^2."""
+        row = g + h - ca.sqrt(g**2 + h**2 + 2 * sigma**2)
+        return Relaxed(row, (-np.inf,), (0.0,))

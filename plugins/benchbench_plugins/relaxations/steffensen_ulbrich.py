@@ -1,0 +1,34 @@
+"""Steffensen and Ulbrich's local relaxation."""
+
+from __future__ import annotations
+
+from typing import final
+
+import casadi as ca
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from benchbench.mpcc import PairKind
+from benchbench.relaxation import Relaxation, Relaxed, Schedule
+
+
+@final
+@dataclass(frozen=True)
+class SteffensenUlbrich(Relaxation):
+    """G, H >= 0 and G + H <= |G - H|, rounded (Steffensen & Ulbrich 2010, doi:10.1137/090748883).
+
+    Inside |G - H| < sigma the modulus is sigma theta(z), z = (G - H) / sigma, theta = (3 + 6 z^2 - z^4) / 8:
+    exact but within sigma of the corner. The unrounded row says min(G, H) <= 0, which is what a vanishing
+    pair wants for any sign of H (Hoheisel, Kanzow & Schwartz 2012, Optim. Methods Softw. 27).
+    """
+
+    schedule: Schedule = (1e-2, 1e-4)
+    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+
+    def relax(
+        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
+    ) -> Relaxed:
+        """Row G + H - |G - H|, rounded; theta meets the modulus with equal first and second derivatives."""
+        z = (g - h) / sigma
+        modulus = ca.if_else(ca.fabs(z) < 1, sigma * (3 + 6 * z**2 - z**4) / 8, ca.fabs(g - h))
+        return Relaxed(g + h - modulus, (-np.inf,), (0.0,))

@@ -1,0 +1,85 @@
+"""Sequential convex programming with CVXPY."""
+
+from __future__ import annotations
+
+from dataclasses import field
+from importlib import metadata
+from typing import Annotated, Any, final
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from benchbench.mpcc import Mpcc
+from benchbench.solver import TOLERANCE, Outcome, Point, Prepared, Setup, Solver
+from benchbench_plugins.solvers.cvxpy_backend_loop import Method, Rules
+from benchbench_plugins.solvers.cvxpy_backend_model import Model
+from benchbench_plugins.solvers.cvxpy_backend_qp import Subproblem, cvxpy
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
+
+@final
+@dataclass(frozen=True)
+class Cvxpy(Solver):
+    """Sequential convex programming: an Sl1QP method with a convexified Hessian.
+
+    Each iteration solves one convex problem in the step d, posed to CVXPY once with parameters:
+
+        min  grad f . d + d' B d / 2 + sum_i w_i (violation of linearised row i)
+        s.t. bounds of the unknowns, |d_j| <= radius (unknowns that must be positive: relative to their value)
+
+    * Penalty and trust region: Nocedal & Wright 2006, section 18.5 (Fletcher's Sl1QP); SCvx (Mao, Szmuk &
+      Acikmese 2016, doi:10.1109/CDC.2016.7798816) is the same with B = 0. The cost here is nearly linear, but
+      some 30 degrees of freedom are at no bound, where B = 0 would only creep.
+    * B: the Lagrangian's Hessian block by block and instance by instance with negative eigenvalues cut off.
+      It is exact for one convex block; in general convergence is linear, with B too stiff by a factor of 2
+      or less on the handovers.
+    * Rows are scaled by slope and curvature at the start, see `Model`.
+    * Acceptance: actual over predicted fall of f + sum w_i violation_i above 1e-4; radius x 2.5 above 0.75 at
+      the edge, halved below 0.25. A rejected step that raised the violation gets a second-order correction
+      (section 18.3): the same problem with the rows' values at the rejected point.
+    * Weights: twice the multiplier, reached by averaging from above (Powell 1978), at least 1; times four
+      while a row keeps slack.
+    * Stops with "solved" when violations are below the tolerance (1e-4, 1e-6, 1e-8) and either the KKT
+      residual is too or the predicted fall is below the tolerance squared (1e-12 at least).
+
+    It converges to KKT points; a start in a plane of symmetry stays there, where the optimum need not be.
+    `solver` is any conic solver of CVXPY that takes quadratic objectives, `options` are its own and win.
+    """
+
+    solver: str = "CLARABEL"
+    radius: Positive = 1.0
+    weight: Positive = 10.0
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
+        """Assemble, pose the subproblem. Raises Unavailable."""
+        cvxpy()
+        native = self.native_options(setup)
+        model = Model(mpcc, setup.compile)
+        subproblem = Subproblem(model, self.solver, native["options"])
+        limits = (native["tolerance"], native["iterations"], native["seconds"])
+        rules = Rules(*limits, self.radius, self.weight, setup.progress)
+
+        def solve(sigma: float, start: Point) -> Outcome:
+            return Method(model, subproblem, rules, sigma).run(start.x)
+
+        return solve
+
+    def native_options(self, setup: Setup) -> dict[str, Any]:
+        """Tolerance, iterations and seconds of the outer loop, and options of the convex solver."""
+        return {
+            "tolerance": TOLERANCE[setup.accuracy],
+            "iterations": setup.iterations,
+            "seconds": setup.seconds,
+            "options": OPTIONS.get(self.solver.upper(), {}) | self.options,
+        }
+
+    def version(self) -> str:
+        """Versions of CVXPY and, where it has one, of the convex solver."""
+        cvxpy()
+        return f"cvxpy {metadata.version('cvxpy')}, {self.solver.lower()}"
+
+
+OPTIONS = {"CLARABEL": {"tol_gap_abs": 1e-10, "tol_gap_rel": 1e-10, "tol_feas": 1e-10}}
+"""Its default 1e-8 leaves noise in the last steps."""

@@ -1,0 +1,186 @@
+"""The outer loop of sequential convex programming: trust region, penalty weights, acceptance, stopping."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchbench.plan import Array
+from benchbench.solver import Claim, Outcome, Point, Progress
+from benchbench_plugins.solvers.cvxpy_backend_model import Linear, Model
+from benchbench_plugins.solvers.cvxpy_backend_qp import Step, Subproblem
+
+ACCEPT = 1e-4
+"""A step is taken when the merit function falls by this share of what the convex model promised."""
+HEAVIEST = 1e8
+"""Largest weight of a row; a violation that survives it is called infeasible."""
+SMALLEST = 1e-10
+"""Trust region in which nothing can move any more."""
+
+
+@dataclass(frozen=True)
+class Rules:
+    """Tolerance of violation and KKT residual, limits, first trust region and first weight of a row."""
+
+    tolerance: float
+    iterations: int
+    seconds: float
+    radius: float
+    weight: float
+    progress: Progress | None = None
+
+    @property
+    def negligible(self) -> float:
+        """A promise of less than this counts as none: the square of the tolerance, as a step has it."""
+        return max(self.tolerance**2, 1e-12)
+
+
+@dataclass(frozen=True)
+class State:
+    """An iterate x (n,), the program there, multipliers, weights; `promise` is what the last model hoped for."""
+
+    x: Array
+    at: Linear
+    lam_g: Array
+    lam_x: Array
+    weights: Array
+    radius: float
+    promise: float = np.inf
+
+
+@dataclass(frozen=True)
+class Method:
+    """One solve for one sigma."""
+
+    model: Model
+    subproblem: Subproblem
+    rules: Rules
+    sigma: float
+
+    def run(self, start: Array) -> Outcome:
+        """Iterate until `verdict` or a limit ends it."""
+        began, cpu = time.perf_counter(), time.process_time()
+        self.model.begin(start, self.sigma)
+        state = self._first(start)
+        count, (claim, detail) = 0, ("invalid", "not finite at the start") if not state.at.finite else (None, "")
+        while claim is None:
+            if count >= self.rules.iterations:
+                claim, detail = "iteration_limit", "all iterations used"
+            elif time.perf_counter() - began > self.rules.seconds:
+                claim, detail = "time_limit", "all time used"
+            else:
+                state, count = self._advance(state), count + 1
+                claim, detail = self._verdict(state)
+                if self.rules.progress:
+                    self.rules.progress(count, state.x, float(state.at.violation.max(initial=0.0)))
+        point = Point(state.x, state.lam_g * self.model.scale, state.lam_x)
+        spent = time.process_time() - cpu
+        return Outcome(claim, point, state.at.f, count, self.model.evaluations, spent, detail)
+
+    def _first(self, start: Array) -> State:
+        x = np.clip(start, self.model.program.lower_x, self.model.program.upper_x)
+        m, n = self.model.m, self.model.n
+        weights = np.full(m, self.rules.weight)
+        return State(x, self.model.at(x, self.sigma), np.zeros(m), np.zeros(n), weights, self.rules.radius)
+
+    def _advance(self, state: State) -> State:
+        """Take one step, with a smaller trust region as often as needed; the same x when none helps."""
+        curvature = self.model.curvature(state.x, self.sigma, state.lam_g)
+        self.subproblem.pose(state.at, curvature, state.weights)
+        radius = state.radius
+        while radius > SMALLEST:
+            low, high = self._box(state.x, radius)
+            step = self.subproblem.solve(state.at.g, low, high)
+            if step is None:
+                radius /= 4
+                continue
+            promise = self._promise(state, step.d, curvature)
+            if promise <= 1e-14 * (1 + abs(state.at.f)):
+                return self._adopt(state, step, (low, high), state.x, state.at, radius, 0.0)
+            x, at, ratio = self._try(state, step, promise, low, high)
+            size = float(np.max(np.abs(step.d) / self._reach(state.x), initial=0.0))
+            if ratio > ACCEPT:
+                return self._adopt(state, step, (low, high), x, at, _next(radius, ratio, size), promise)
+            radius = 0.4 * min(radius, size)
+        return replace(state, radius=radius)
+
+    def _try(
+        self, state: State, step: Step, promise: float, low: Array, high: Array
+    ) -> tuple[Array, Linear, float]:
+        """Judge the step; where it lost for a larger violation, judge its second-order correction."""
+        x = state.x + step.d
+        at = self.model.at(x, self.sigma)
+        before = self._merit(state, state.at)
+        ratio = (before - self._merit(state, at)) / promise
+        if ratio > ACCEPT or not at.finite or at.violation.sum() <= state.at.violation.sum():
+            return x, at, ratio
+        corrected = self.subproblem.solve(at.g - state.at.jacobian @ step.d, low, high)
+        if corrected is None:
+            return x, at, ratio
+        x = state.x + corrected.d
+        at = self.model.at(x, self.sigma)
+        return x, at, (before - self._merit(state, at)) / promise
+
+    def _adopt(
+        self, state: State, step: Step, box: tuple[Array, Array], x: Array, at: Linear, radius: float, promise: float
+    ) -> State:
+        """Next iterate: a row with slack left weighs four times as much, another near twice its multiplier."""
+        needed = 2 * np.abs(step.lam_g)
+        left = self.model.outside(state.at.g + state.at.jacobian @ step.d) > 1e-9
+        eased = np.maximum(np.maximum(needed, 1.0), (state.weights + needed) / 2)
+        weights = np.minimum(np.where(left, 4 * state.weights, eased), HEAVIEST)
+        (low, high), program = box, self.model.program
+        upper = np.where(high >= program.upper_x - state.x, np.maximum(step.lam_d, 0.0), 0.0)
+        lower = np.where(low <= program.lower_x - state.x, np.minimum(step.lam_d, 0.0), 0.0)
+        return State(x, at, step.lam_g, upper + lower, weights, radius, promise)
+
+    def _verdict(self, state: State) -> tuple[Claim | None, str]:
+        """Solved: violation and either KKT residual or promise are small enough. Else it may be stuck."""
+        promised, tolerance = f"predicted decrease {state.promise:.1e}", self.rules.tolerance
+        nothing = state.promise <= self.rules.negligible * (1 + abs(state.at.f))
+        if np.all(state.at.violation <= tolerance):
+            residual = self._kkt(state)
+            if nothing or residual <= tolerance:
+                return "solved", f"KKT residual {residual:.1e}, {promised}"
+        elif nothing and np.all(state.weights[state.at.violation > tolerance] >= HEAVIEST):
+            return "infeasible", f"violation {state.at.violation.max():.1e} stays, {promised}"
+        if state.radius <= SMALLEST:
+            return "failed", f"no step helps, violation {state.at.violation.max(initial=0.0):.1e}"
+        return None, ""
+
+    def _kkt(self, state: State) -> float:
+        """Largest entry of grad f + J' lam_g + lam_x, over the largest multiplier where that exceeds 1."""
+        slope = state.at.gradient + state.at.jacobian.T @ state.lam_g + state.lam_x
+        largest = max(np.abs(lam).max(initial=1.0) for lam in (state.lam_g, state.lam_x))
+        return float(np.abs(slope).max() / largest)
+
+    def _promise(self, state: State, d: Array, curvature: Array) -> float:
+        """How much the convex model of the merit function falls along d."""
+        rows, columns = self.model.curvature_pattern
+        bend = float(np.sum(curvature * d[rows] * d[columns])) / 2
+        linear = self.model.outside(state.at.g + state.at.jacobian @ d)
+        gained = float(state.weights @ (self.model.outside(state.at.g) - linear))
+        return gained - float(state.at.gradient @ d) - bend
+
+    def _merit(self, state: State, at: Linear) -> float:
+        """The l1 penalty function with the weights of a state; infinite where something is not finite."""
+        return at.f + float(state.weights @ self.model.outside(at.g)) if at.finite else np.inf
+
+    def _reach(self, x: Array) -> Array:
+        """How far a trust region of one lets each unknown go: 1, or its value where it must be positive."""
+        return np.where(self.model.program.lower_x > 0, x, 1.0)
+
+    def _box(self, x: Array, radius: float) -> tuple[Array, Array]:
+        """Bounds of the step; what must be positive (a duration) is at most halved."""
+        program, reach = self.model.program, self._reach(x)
+        down = np.where(program.lower_x > 0, min(radius, 0.5), radius) * reach
+        return np.maximum(program.lower_x - x, -down), np.minimum(program.upper_x - x, radius * reach)
+
+
+def _next(radius: float, ratio: float, size: float) -> float:
+    """Grow after a good step that met the edge, shrink after a poor one."""
+    if ratio > 0.75 and size >= 0.9 * radius:
+        return min(2.5 * radius, 1e6)
+    return max(0.5 * min(radius, size), 1e-4) if ratio < 0.25 else radius

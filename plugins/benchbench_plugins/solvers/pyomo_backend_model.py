@@ -1,0 +1,170 @@
+"""An MPCC as a Pyomo model, equation by equation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from benchbench.errors import IncompatibleCase, Unavailable
+from benchbench.mpcc import Block, Mpcc, Pair, gather
+from benchbench.plan import Array
+from benchbench_plugins.solvers.walk import ALGEBRA, Inexpressible, Operations, is_number, record
+
+
+@dataclass(frozen=True)
+class PyomoModel:
+    """A `pyomo.environ.ConcreteModel` and where the MPCC's parts are in it.
+
+    unknowns   the Pyomo variable of each unknown (n,)
+    rows       the Pyomo constraint of each constraint row (m,), None for a row without unknowns
+    sigma      a Pyomo variable: fix it, or take it for a parameter of the written problem
+    auxiliary  variables that Pyomo's transformation of the pairs added, with the expressions they equal
+    broken     what is wrong with a row that no unknown can mend, empty normally
+    """
+
+    model: Any
+    unknowns: tuple[Any, ...]
+    rows: tuple[Any, ...]
+    sigma: Any
+    auxiliary: tuple[tuple[Any, Any], ...]
+    broken: str
+
+    def start(self, x: Array) -> None:
+        """Set the value of every variable but sigma."""
+        from pyomo.environ import value
+
+        for unknown, number in zip(self.unknowns, x, strict=True):
+            unknown.set_value(float(number), skip_validation=True)
+        for variable, expression in self.auxiliary:
+            variable.set_value(max(value(expression), 0.0), skip_validation=True)
+
+
+def build(mpcc: Mpcc) -> PyomoModel:
+    """Return the model; pairs become `pyomo.mpec` components, transformed by `mpec.simple_nonlinear`.
+
+    That is H >= 0, v = G >= 0, H v <= 0 with a new variable v. Raises Unavailable, and IncompatibleCase for an operation that Pyomo cannot write.
+    """
+    pyo = pyomo()
+    model = pyo.ConcreteModel()
+    writer = _Writer(pyo, model, mpcc)
+    rows, broken = [], ""
+    for block in mpcc.constraints:
+        for name, body, low, high in writer.rows(block):
+            if is_number(body):
+                rows.append(None)
+                broken = broken if low - 1e-9 <= body <= high + 1e-9 else f"{name} = {body:g} is outside its bounds"
+            else:
+                rows.append(writer.constrain(body, low, high))
+    costs = [out for block in mpcc.costs for (out,) in writer.outputs(block)]
+    model.cost = pyo.Objective(expr=sum(costs))
+    auxiliary = writer.complement(mpcc.pairs)
+    return PyomoModel(model, tuple(writer.unknowns), tuple(rows), model.sigma, auxiliary, broken)
+
+
+def pyomo() -> Any:
+    """Import Pyomo; raises Unavailable with the remedy."""
+    try:
+        import pyomo.environ as pyo
+    except ImportError as error:
+        raise Unavailable("solver 'pyomo' needs Pyomo: pip install 'benchbench[pyomo]'") from error
+    return pyo
+
+
+class _Writer:
+    """Turns blocks into expressions; a value used more than once becomes a named Expression.
+
+    Without names the 30 000 operations of 25 Verlet intervals are written out as 840 000.
+    """
+
+    def __init__(self, pyo: Any, model: Any, mpcc: Mpcc) -> None:
+        self.pyo, self.model, self.offsets = pyo, model, mpcc.offsets
+        self.operations = _operations(pyo)
+        self.unknowns: list[Any] = []
+        for variable in mpcc.variables:
+            low, high = ([_finite(b) for b in side.ravel()] for side in (variable.lower, variable.upper))
+            made = pyo.Var(range(variable.size))
+            model.add_component(variable.name, made)
+            for i, unknown in made.items():
+                unknown.setlb(low[i])
+                unknown.setub(high[i])
+            self.unknowns += list(made.values())
+        model.sigma = pyo.Var(initialize=0.0)
+        model.shared = pyo.Expression(pyo.Any)
+        model.row = pyo.Constraint(pyo.Any)
+
+    def outputs(self, block: Block) -> Iterator[list[Any]]:
+        """Expressions of all outputs, instance by instance."""
+        try:
+            tape = record(block.function)
+            for index, parameters in zip(gather(block, self.offsets), block.parameters.tolist(), strict=True):
+                inputs = [[self.unknowns[i] for i in index], parameters, [self.model.sigma]]
+                yield tape.run(inputs, self.operations, self._share)[0]
+        except Inexpressible as missing:
+            raise IncompatibleCase(
+                "solver", f"Pyomo cannot write '{missing}', which '{block.name}' needs", "another relaxation or solver"
+            ) from missing
+
+    def rows(self, block: Block) -> Iterator[tuple[str, Any, float, float]]:
+        """Name, body, lower and upper bound of each row."""
+        for i, outputs in enumerate(self.outputs(block)):
+            for k, body in enumerate(outputs):
+                yield f"{block.name}[{i}, {k}]", body, float(block.lower[i, k]), float(block.upper[i, k])
+
+    def constrain(self, body: Any, low: float, high: float) -> Any:
+        """Add low <= body <= high."""
+        key = len(self.model.row)
+        self.model.row[key] = (low, body, high) if low == high else (_finite(low), body, _finite(high))
+        return self.model.row[key]
+
+    def complement(self, pairs: tuple[Pair, ...]) -> tuple[tuple[Any, Any], ...]:
+        """Add the pairs and transform them; returns the new variables and what they equal."""
+        if not pairs:
+            return ()
+        from pyomo.mpec import Complementarity, complements
+
+        self.model.touch = Complementarity(self.pyo.Any)
+        scalar = [gh for pair in pairs for out in self.outputs(pair.block) for gh in _halves(out)]
+        first: list[Any] = []
+        for g, h in scalar:
+            if is_number(g) or is_number(h):  # Pyomo takes no constants here
+                body, factor = (h, g) if is_number(g) else (g, h)
+                self.constrain(body if not is_number(body) else 0 * self.unknowns[0] + body, 0.0, np.inf)
+                self.constrain(body * factor, -np.inf, 0.0)
+            else:
+                self.model.touch[len(first)] = complements(g >= 0, h >= 0)
+                first.append(g)
+        self.pyo.TransformationFactory("mpec.simple_nonlinear").apply_to(self.model)
+        return tuple((self.model.touch[k].v, g) for k, g in enumerate(first))
+
+    def _share(self, value: Any) -> Any:
+        key = len(self.model.shared)
+        self.model.shared[key] = value
+        return self.model.shared[key]
+
+
+def _halves(outputs: list[Any]) -> Iterator[tuple[Any, Any]]:
+    count = len(outputs) // 2
+    return zip(outputs[:count], outputs[count:], strict=True)
+
+
+def _finite(bound: float) -> float | None:
+    return float(bound) if np.isfinite(bound) else None
+
+
+def _operations(pyo: Any) -> Operations:
+    """What both Pyomo and CasADi's reader of .nl files know; that one has no asinh, acosh, atanh and no if."""
+    names = ("exp", "log", "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh",
+             "floor", "ceil")  # fmt: skip
+    return {
+        **ALGEBRA,
+        **{name: getattr(pyo, name) for name in names},
+        "fabs": abs,
+        "fmin": lambda a, b: (a + b - abs(a - b)) / 2,
+        "fmax": lambda a, b: (a + b + abs(a - b)) / 2,
+        "log1p": lambda a: pyo.log(1 + a),
+        "expm1": lambda a: pyo.exp(a) - 1,
+        "hypot": lambda a, b: pyo.sqrt(a * a + b * b),
+    }

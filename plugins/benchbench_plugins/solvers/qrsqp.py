@@ -1,0 +1,52 @@
+"""CasADi's compact SQP method on its sparse QR active-set QP solver."""
+
+from __future__ import annotations
+
+from dataclasses import field
+from typing import Any, final
+
+from pydantic.dataclasses import dataclass
+
+from benchbench.mpcc import Mpcc
+from benchbench.solver import TOLERANCE, Claim, Prepared, Setup, Solver
+from benchbench_plugins.solvers import casadi_nlp
+from benchbench_plugins.solvers.casadi_nlp import Backend
+
+CLAIMS: dict[str, Claim] = {
+    "Solve_Succeeded": "solved",
+    "Maximum_Iterations_Exceeded": "iteration_limit",
+    "Search_Direction_Becomes_Too_Small": "failed",
+}
+
+
+@final
+@dataclass(frozen=True)
+class Qrsqp(Solver):
+    """Line-search SQP with a sparse QR active-set QP (Andersson & Rawlings 2018, doi:10.1016/j.ifacol.2018.09.014).
+
+    `options` are those of CasADi's qrsqp.
+    """
+
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
+        """Assemble and build."""
+        return casadi_nlp.prepare(Backend("qrsqp", CLAIMS, watched=True), mpcc, setup, self.native_options(setup))
+
+    def native_options(self, setup: Setup) -> dict[str, Any]:
+        """tol_pr, tol_du and max_iter of qrsqp; time is watched from outside."""
+        tolerance = TOLERANCE[setup.accuracy]
+        own = {
+            "tol_pr": tolerance,
+            "tol_du": tolerance,
+            "max_iter": setup.iterations,
+            "regularize": True,
+            "qpsol_options": {"print_iter": False, "print_header": False, "error_on_fail": False},
+            "print_header": False,
+            "print_iteration": False,
+        }
+        return own | self.options
+
+    def version(self) -> str:
+        """CasADi's version."""
+        return casadi_nlp.version("qrsqp")
