@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import os
 import re
@@ -161,6 +162,9 @@ class _Call:
             except BenchBenchError as refused:
                 summary.complain("bad input", str(refused))
                 return BAD_INPUT
+        elif place:
+            with contextlib.suppress(OSError):
+                place.folder.rmdir()  # Hydra made it for nothing; only an empty one goes
         return BAD_INPUT if expected else NOT_CERTIFIED
 
 
@@ -171,6 +175,7 @@ def _run(cfg: DictConfig, place: _Place) -> tuple[pipeline.Run, dict[str, Path]]
     _check_writable(folder(place.root))
     with LiveLine() as line:
         done = pipeline.run(case, line, place.labels)
+        line.stage("files", None)
         return done, pipeline.write(done, place.folder, place.root, OmegaConf.to_yaml(cfg, resolve=True))
 
 

@@ -22,7 +22,7 @@ class LiveLine(Watch):
         """Set up the line without showing it."""
         console = Console(stderr=True)
         self._bar = Bar(
-            SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn(),
+            SpinnerColumn("line"), TextColumn("{task.description}", markup=False), TimeElapsedColumn(),
             console=console, transient=True,
         )  # fmt: skip
         self._task = self._bar.add_task("preparing")

@@ -57,8 +57,10 @@ def transcribe(
         for j in range(points)
     ]
     constraints = (*_quadrature(stages), *_euler_lagrange(stages, model, controls))
-    mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, every)) + total_time(scenario, grid)
-    nodal = NodalTrajectory(grid, model, INTERPOLATION[inputs], control_points=points)
+    mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, every, stride)) + total_time(
+        scenario, grid
+    )
+    nodal = NodalTrajectory(grid, model, INTERPOLATION[inputs], control_points=stride)
     return mpcc, StageTrajectory(nodal, stages)
 
 

@@ -27,15 +27,14 @@ Choices
 {choices}
 
 Fields: every number and option of a choice, and of the run; for example
-  scenario.kappa_init=5 scenario.intervals=150 dynamics.inputs=averaged output=/tmp/x
+  scenario.kappa_init=5 scenario.intervals=150 dynamics.inputs=averaged
   A field that the YAML leaves out takes a plus sign: +scenario.start.y=0.3
   --cfg job with the choices shows them all.
 
-Own YAML   --config-dir FOLDER adds FOLDER/scenario/NAME.yaml, FOLDER/vehicle/...
+Own YAML   --config-dir DIR with DIR/scenario/NAME.yaml, DIR/vehicle/NAME.yaml
 Options    --version, --traceback (where an error came from), --hydra-help
 Exit code  0 all plans certified, 1 a run ended without a certified plan,
-           2 bad input, 130 interrupted
-"""
+           2 bad input, 130 interrupted"""
 
 
 def usage(choices: Mapping[str, Sequence[str]]) -> str:

@@ -82,7 +82,7 @@ class NodalTrajectory:
     def _input_times(self, time: Array) -> Array:
         if self.interpolation == "linear":
             return time
-        share = np.linspace(0.0, 1.0, self.control_points) if self.control_points > 1 else np.array([0.5])
+        share = (np.arange(self.control_points) + 0.5) / self.control_points
         return np.asarray(time[:-1, None] + np.diff(time)[:, None] * share).ravel()
 
 
@@ -116,10 +116,12 @@ def nodal_variables(
     )
 
 
-def cost(scenario: Scenario, model: Model, grid: Grid, input_rows: int) -> tuple[Block, ...]:
+def cost(
+    scenario: Scenario, model: Model, grid: Grid, input_rows: int, per_interval: int = 1
+) -> tuple[Block, ...]:
     """t_N + c_u sum_k h_k |u_k - u_ref|^2 (paper Eq. 33, squared as in the authors' public demo code).
 
-    With several control points per interval each has its share of the step.
+    With `per_interval` control points in each interval each has its share of the step.
     """
     phases, n_u = len(grid.phases), len(model.inputs.names)
     s = ca.SX.sym("sigma")
@@ -127,7 +129,6 @@ def cost(scenario: Scenario, model: Model, grid: Grid, input_rows: int) -> tuple
     time = ca.Function("travel_time", [duration, ca.SX.sym("p", 0), s], [ca.sum1(duration)])
     u, weights, p = ca.SX.sym("u", n_u), ca.SX.sym("T", phases), ca.SX.sym("p", phases + 1 + n_u)
     effort = p[phases] * ca.dot(p[:phases], weights) * ca.sumsqr(u - p[phases + 1 :])
-    per_interval = max(input_rows // grid.intervals, 1)
     interval = np.minimum(np.arange(input_rows) // per_interval, grid.intervals - 1)
     steps = grid.step_weights[interval] / per_interval
     constants = np.tile([scenario.input_cost, *model.hover()], (input_rows, 1))

@@ -69,11 +69,13 @@ class Certificate:
         return {"certified": self.certified, "reasons": self.reasons, **numbers}
 
 
-def at_most(name: str, what: str, value: float, limit: float, unit: str, where: str = "") -> Check:
+def at_most(
+    name: str, what: str, value: float, limit: float, unit: str, where: str = "", verb: str = "reaches"
+) -> Check:
     """Check value <= limit; NaN fails. `what` is the subject of the reason, `where` its place or time."""
     if math.isnan(value):
         return Check(name, value, limit, unit, False, f"{what} is not a number{where}")
-    reason = f"{what} reaches {_number(value, unit)}{where}, allowed {_number(limit, unit)}"
+    reason = f"{what} {verb} {_number(value, unit)}{where}, allowed {_number(limit, unit)}"
     return Check(name, value, limit, unit, value <= limit, "" if value <= limit else reason)
 
 

@@ -20,6 +20,9 @@ SPOKEN = {"position": "distance", "velocity": "relative speed", "heading": "head
 ROUNDING = 1e-6
 """Granted when durations and progress indices are added up, s and 1."""
 
+EXCEEDS = "exceeds its limits by"
+TIMES = "times its limit"
+
 
 def original_problem(found: Residuals, limits: Limits) -> Checks:
     """Check the residuals of the MPCC the plan is said to solve."""
@@ -60,8 +63,8 @@ def planned(plan: Plan, scenario: Scenario, model: Model, limits: Limits) -> Che
     )
     for kind, values, box in boxes:
         excess, (k, i) = worst(outside(values, box))
-        what = f"planned {kind} '{box.names[i]}' beyond its limits"
-        yield at_most(f"planned_{kind}", what, excess, limits.node, box.units[i], f" at node {k}")
+        what = f"planned {kind} '{box.names[i]}'"
+        yield at_most(f"planned_{kind}", what, excess, limits.node, box.units[i], f" at node {k}", EXCEEDS)
 
 
 def consistency(plan: Plan, missed: Defects, limits: Limits) -> Checks:
@@ -84,19 +87,19 @@ def flown(plan: Plan, flight: Replay, scenario: Scenario, model: Model, limits: 
         mine = [i for i, u in enumerate(box.units) if u == unit]
         if mine:
             value, (k, i) = worst(excess[:, mine])
-            what = f"'{box.names[mine[i]]}' beyond its limits"
-            yield at_most(f"replay_{kind}", what, value, limit, unit, _at(flight, k))
+            what = f"'{box.names[mine[i]]}'"
+            yield at_most(f"replay_{kind}", what, value, limit, unit, _at(flight, k), EXCEEDS)
     value, (k, i) = worst(rate_ratio(flight.velocity, model.velocity))
-    what = f"rate of '{box.names[i]}' over its limit"
-    yield at_most("replay_rate", what, value, limits.rate_ratio, "1", _at(flight, k))
+    what = f"rate of '{box.names[i]}'"
+    yield at_most("replay_rate", what, value, limits.rate_ratio, TIMES, _at(flight, k))
     missed = flight.configuration[-1:] - scenario.end_point(model)
     what = "distance from the end on the replay"
     yield at_most("replay_end", what, float(distance(plan, missed)[0]), limits.end_position, "m")
     what = "angle from the end on the replay"
     yield at_most("replay_end_angle", what, float(angle(plan, missed)[0]), limits.end_angle, "rad")
     value, (i,) = worst(rate_ratio(flight.velocity[-1], model.velocity))
-    what = f"rate of '{box.names[i]}' over its limit at the end of the replay"
-    yield at_most("replay_end_rest", what, value, limits.end_velocity_ratio, "1")
+    what = f"rate of '{box.names[i]}' at the end of the replay"
+    yield at_most("replay_end_rest", what, value, limits.end_velocity_ratio, TIMES)
 
 
 def contact_planned(plan: Plan, found: Audit, scenario: Scenario, limits: Limits) -> Checks:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,9 @@ class Atoms:
             return record(block.function).run(inputs, self.operations, self._share)[0]
         except Inexpressible as missing:
             raise IncompatibleCase(
-                "solver", f"CVXPY's nonlinear interface has no '{missing}', which '{block.name}' needs", "ipopt"
+                "solver",
+                f"CVXPY's nonlinear interface has no '{missing}', which '{block.name}' needs",
+                "ipopt",
             ) from missing
 
     def _total(self, block: Block) -> Any:
@@ -61,14 +64,14 @@ class Atoms:
                 self.broken = f"{name} = {body} is outside its bounds"
             return
         equal = low == high
-        for mask, make in (
-            (equal, lambda part, i: part == low[i]),
-            (~equal & np.isfinite(low), lambda part, i: part >= low[i]),
-            (~equal & np.isfinite(high), lambda part, i: part <= high[i]),
+        for mask, compare, bound in (
+            (equal, operator.eq, low),
+            (~equal & np.isfinite(low), operator.ge, low),
+            (~equal & np.isfinite(high), operator.le, high),
         ):
             which = np.flatnonzero(mask)
             if which.size:
-                self.rules.append(make(body if which.size == len(low) else body[which], which))
+                self.rules.append(compare(body if which.size == len(low) else body[which], bound[which]))
 
     def _share(self, value: Any) -> Any:
         return self._lift(value, 1.0)
@@ -100,4 +103,3 @@ class Atoms:
             "sinh": cp.nlp.sinh, "asinh": cp.nlp.asinh,
             "tan": lambda a: self._divide(cp.nlp.sin(a), cp.nlp.cos(a)),
         }  # fmt: skip
-

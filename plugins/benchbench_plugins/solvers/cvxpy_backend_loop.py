@@ -62,9 +62,9 @@ class Method:
     def run(self, start: Array) -> Outcome:
         """Iterate until `verdict` or a limit ends it."""
         began, cpu = time.perf_counter(), time.process_time()
-        self.model.begin(start, self.sigma)
-        state = self._first(start)
-        count, (claim, detail) = 0, ("invalid", "not finite at the start") if not state.at.finite else (None, "")
+        state, count = self._first(start), 0
+        claim: Claim | None = None if state.at.finite else "invalid"
+        detail = "not finite at the start"
         while claim is None:
             if count >= self.rules.iterations:
                 claim, detail = "iteration_limit", "all iterations used"
@@ -81,6 +81,7 @@ class Method:
 
     def _first(self, start: Array) -> State:
         x = np.clip(start, self.model.program.lower_x, self.model.program.upper_x)
+        self.model.begin(x, self.sigma)
         m, n = self.model.m, self.model.n
         weights = np.full(m, self.rules.weight)
         return State(x, self.model.at(x, self.sigma), np.zeros(m), np.zeros(n), weights, self.rules.radius)
@@ -124,7 +125,14 @@ class Method:
         return x, at, (before - self._merit(state, at)) / promise
 
     def _adopt(
-        self, state: State, step: Step, box: tuple[Array, Array], x: Array, at: Linear, radius: float, promise: float
+        self,
+        state: State,
+        step: Step,
+        box: tuple[Array, Array],
+        x: Array,
+        at: Linear,
+        radius: float,
+        promise: float,
     ) -> State:
         """Next iterate: a row with slack left weighs four times as much, another near twice its multiplier."""
         needed = 2 * np.abs(step.lam_g)

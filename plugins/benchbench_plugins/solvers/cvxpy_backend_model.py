@@ -51,7 +51,9 @@ class Model:
         local = derivatives([b.function for b in blocks], compile)
         self.curves = [_Curve(b, d, gather(b, mpcc.offsets)) for b, d in zip(blocks, local, strict=True)]
         keys = [curve.i * self.n + curve.j for curve in self.curves]
-        unique, inverse = np.unique(np.concatenate([np.zeros(0, np.int64), *(k.ravel() for k in keys)]), return_inverse=True)
+        unique, inverse = np.unique(
+            np.concatenate([np.zeros(0, np.int64), *(k.ravel() for k in keys)]), return_inverse=True
+        )
         self.curvature_pattern: tuple[Index, Index] = (unique // self.n, unique % self.n)
         ends = np.cumsum([k.size for k in keys])[:-1]
         self.places = np.split(inverse, ends) if keys else []
@@ -70,11 +72,11 @@ class Model:
         """Evaluate at x."""
         self.evaluations += 2
         f, gradient = self.program.gradient(x, sigma)
-        g, jacobian = self.program.jacobian(x, sigma)
+        values, jacobian = self.program.jacobian(x, sigma)
         rows, columns = self.jacobian_pattern
-        g = np.asarray(g).ravel()
-        values = np.array(jacobian.nonzeros()) * self.scale[rows]
-        matrix = sparse.csr_array((values, (rows, columns)), shape=(self.m, self.n))
+        g = np.asarray(values).ravel()
+        slopes = np.array(jacobian.nonzeros()) * self.scale[rows]
+        matrix = sparse.csr_array((slopes, (rows, columns)), shape=(self.m, self.n))
         violation = np.maximum(np.maximum(self.program.lower_g - g, g - self.program.upper_g), 0.0)
         return Linear(float(f), np.asarray(gradient).ravel(), self.scale * g, matrix, violation)
 
@@ -118,7 +120,11 @@ class _Curve:
 
     def convex(self, x: Array, sigma: float, weight: Array) -> Array:
         """Hessians of weight . out with their negative eigenvalues cut off, (instances, used, used)."""
-        lam = weight.reshape(self.instances, self.outputs) if weight.size else np.ones((self.instances, self.outputs))
+        lam = (
+            weight.reshape(self.instances, self.outputs)
+            if weight.size
+            else np.ones((self.instances, self.outputs))
+        )
         entries = self._entries(x, sigma, lam)
         matrix = np.zeros(self.i.shape)
         matrix[:, self.a, self.b] = entries

@@ -10,6 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from benchbench.errors import Unavailable
+from benchbench.mpcc import Index
 from benchbench.plan import Array
 from benchbench_plugins.solvers.cvxpy_backend_model import Linear, Model
 
@@ -53,7 +54,9 @@ class Subproblem:
         self.gradient.value = at.gradient
         if self.model.curvature_pattern[0].size:
             shape = (self.model.n, self.model.n)
-            self.curvature.value_sparse = sparse.coo_array((curvature, self.model.curvature_pattern), shape=shape)
+            self.curvature.value_sparse = sparse.coo_array(
+                (curvature, self.model.curvature_pattern), shape=shape
+            )
         if self.model.m:
             rows, columns = self.model.jacobian_pattern
             values = np.asarray(at.jacobian[rows, columns]).ravel()
@@ -84,7 +87,7 @@ class Subproblem:
 class _Rows:
     """Rows of one kind: `rule` is the CVXPY constraint, `room` its right-hand side, sign that of lam_g."""
 
-    which: Array
+    which: Index
     rule: Any
     room: Any
     sign: float

@@ -45,22 +45,16 @@ class PyomoModel:
 def build(mpcc: Mpcc) -> PyomoModel:
     """Return the model; pairs become `pyomo.mpec` components, transformed by `mpec.simple_nonlinear`.
 
-    That is H >= 0, v = G >= 0, H v <= 0 with a new variable v. Raises Unavailable, and IncompatibleCase for an operation that Pyomo cannot write.
+    That is H >= 0, v = G >= 0, H v <= 0 with a new variable v. Raises Unavailable, and IncompatibleCase for
+    an operation that Pyomo cannot write.
     """
     pyo = pyomo()
-    model = pyo.ConcreteModel()
-    writer = _Writer(pyo, model, mpcc)
-    rows, broken = [], ""
-    for block in mpcc.constraints:
-        for name, body, low, high in writer.rows(block):
-            if is_number(body):
-                rows.append(None)
-                broken = broken if low - 1e-9 <= body <= high + 1e-9 else f"{name} = {body:g} is outside its bounds"
-            else:
-                rows.append(writer.constrain(body, low, high))
+    writer = _Writer(pyo, mpcc)
+    rows = [writer.row(*row) for block in mpcc.constraints for row in writer.rows(block)]
     costs = [out for block in mpcc.costs for (out,) in writer.outputs(block)]
-    model.cost = pyo.Objective(expr=sum(costs))
+    writer.model.cost = pyo.Objective(expr=sum(costs))
     auxiliary = writer.complement(mpcc.pairs)
+    model, broken = writer.model, "; ".join(writer.broken[:1])
     return PyomoModel(model, tuple(writer.unknowns), tuple(rows), model.sigma, auxiliary, broken)
 
 
@@ -79,14 +73,16 @@ class _Writer:
     Without names the 30 000 operations of 25 Verlet intervals are written out as 840 000.
     """
 
-    def __init__(self, pyo: Any, model: Any, mpcc: Mpcc) -> None:
-        self.pyo, self.model, self.offsets = pyo, model, mpcc.offsets
-        self.operations = _operations(pyo)
+    def __init__(self, pyo: Any, mpcc: Mpcc) -> None:
+        self.pyo, self.offsets, self.operations = pyo, mpcc.offsets, _operations(pyo)
+        self.model = model = pyo.ConcreteModel()
         self.unknowns: list[Any] = []
+        self.broken: list[str] = []
+        model.unknowns = pyo.Block()
         for variable in mpcc.variables:
             low, high = ([_finite(b) for b in side.ravel()] for side in (variable.lower, variable.upper))
             made = pyo.Var(range(variable.size))
-            model.add_component(variable.name, made)
+            model.unknowns.add_component(variable.name, made)
             for i, unknown in made.items():
                 unknown.setlb(low[i])
                 unknown.setub(high[i])
@@ -104,7 +100,9 @@ class _Writer:
                 yield tape.run(inputs, self.operations, self._share)[0]
         except Inexpressible as missing:
             raise IncompatibleCase(
-                "solver", f"Pyomo cannot write '{missing}', which '{block.name}' needs", "another relaxation or solver"
+                "solver",
+                f"Pyomo cannot write '{missing}', which '{block.name}' needs",
+                "another relaxation or solver",
             ) from missing
 
     def rows(self, block: Block) -> Iterator[tuple[str, Any, float, float]]:
@@ -113,8 +111,12 @@ class _Writer:
             for k, body in enumerate(outputs):
                 yield f"{block.name}[{i}, {k}]", body, float(block.lower[i, k]), float(block.upper[i, k])
 
-    def constrain(self, body: Any, low: float, high: float) -> Any:
-        """Add low <= body <= high."""
+    def row(self, name: str, body: Any, low: float, high: float) -> Any:
+        """Add low <= body <= high and return it; None for a number, which holds or is `broken`."""
+        if is_number(body):
+            if not low - 1e-9 <= body <= high + 1e-9:
+                self.broken.append(f"{name} is {body:g}, which must be from {low:g} to {high:g}")
+            return None
         key = len(self.model.row)
         self.model.row[key] = (low, body, high) if low == high else (_finite(low), body, _finite(high))
         return self.model.row[key]
@@ -130,9 +132,9 @@ class _Writer:
         first: list[Any] = []
         for g, h in scalar:
             if is_number(g) or is_number(h):  # Pyomo takes no constants here
-                body, factor = (h, g) if is_number(g) else (g, h)
-                self.constrain(body if not is_number(body) else 0 * self.unknowns[0] + body, 0.0, np.inf)
-                self.constrain(body * factor, -np.inf, 0.0)
+                number, other = (g, h) if is_number(g) else (h, g)
+                self.row("side of a pair", number, 0.0, np.inf)
+                self.row("other side of a pair", other, 0.0, 0.0 if number > 0 else np.inf)
             else:
                 self.model.touch[len(first)] = complements(g >= 0, h >= 0)
                 first.append(g)

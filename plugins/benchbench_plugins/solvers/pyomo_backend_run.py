@@ -51,7 +51,9 @@ def read_back(model: PyomoModel) -> Nl:
             info = NLWriter().write(model.model, file, linear_presolve=False, scale_model=False)
         builder = ca.NlpBuilder()
         builder.import_nl(str(path), {})
-    whole = ca.Function("nl", [ca.vertcat(*builder.x)], [builder.f, ca.vertcat(ca.MX(0, 1), *builder.g)]).expand()
+    whole = ca.Function(
+        "nl", [ca.vertcat(*builder.x)], [builder.f, ca.vertcat(ca.MX(0, 1), *builder.g)]
+    ).expand()
     free = [i for i, variable in enumerate(info.variables) if variable is not model.sigma]
     x, sigma = ca.SX.sym("x", len(free)), ca.SX.sym("sigma")
     full = ca.SX(len(info.variables), 1)
@@ -61,10 +63,14 @@ def read_back(model: PyomoModel) -> Nl:
     limits = (builder.x_lb, builder.x_ub, builder.g_lb, builder.g_ub)
     low, high, *rows = (np.asarray(limit, float) for limit in limits)
     variables = [info.variables[i] for i in free]
-    return Nl({"x": x, "p": sigma, "f": f, "g": g}, variables, list(info.constraints), low[free], high[free], *rows)
+    return Nl(
+        {"x": x, "p": sigma, "f": f, "g": g}, variables, list(info.constraints), low[free], high[free], *rows
+    )
 
 
-def by_casadi(model: PyomoModel, plugin: str, claims: Mapping[str, Claim], options: dict[str, Any]) -> Prepared:
+def by_casadi(
+    model: PyomoModel, plugin: str, claims: Mapping[str, Claim], options: dict[str, Any]
+) -> Prepared:
     """Solve with a plugin of CasADi's nlpsol, which differentiates the whole graph."""
     nl = read_back(model)
     own = {k: v for k, v in COMMON.items() if k != "no_nlp_grad"}
@@ -147,7 +153,9 @@ ENDED: dict[str, Claim] = {
 def _ordered(wanted: tuple[Any, ...], given: list[Any], numbers: Array, otherwise: Array) -> Array:
     """Numbers of the given Pyomo objects in the order wanted; `otherwise` for those that were not written."""
     place = {id(thing): i for i, thing in enumerate(given)}
-    return np.array([numbers[place[id(w)]] if id(w) in place else o for w, o in zip(wanted, otherwise, strict=True)])
+    return np.array(
+        [numbers[place[id(w)]] if id(w) in place else o for w, o in zip(wanted, otherwise, strict=True)]
+    )
 
 
 def _cpu() -> float:
