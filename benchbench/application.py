@@ -27,6 +27,7 @@ from benchbench.hydra_errors import EXPECTED, explained
 from benchbench.overrides import carried
 from benchbench.progress import LiveLine
 from benchbench.storage.files import write_record
+from benchbench.storage.schema import Record
 
 CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2
 
@@ -140,25 +141,12 @@ class _Call:
 
     def _ended(self, error: Exception, cfg: DictConfig, place: _Place | None) -> int:
         """Say what ended a run; a row tells of it, unless it is a single run that never began."""
-        if self.traced:
-            traceback.print_exception(error)
         expected = isinstance(error, EXPECTED)
         told = explained(error) if expected else error
-        kind = "bad input" if expected else "the run stopped with an error"
-        where = f" (run {len(self.codes) + 1}: {place.combination})" if place and place.sweep else ""
-        advice = (
-            ""
-            if expected or self.traced
-            else "\n--traceback shows where; if no wrong input is named, please report it"
-        )
-        summary.complain(kind + where, reason(told) + advice)
+        self._say(error, told, place)
         if place and (place.sweep or not expected):
             try:
-                record = failed(told, place.chosen, place.labels | _sizes(cfg))
-                from benchbench.storage.table import append
-
-                write_record(place.folder, record)
-                append(record, place.root)
+                _store(failed(told, place.chosen, place.labels | _sizes(cfg)), place)
             except BenchBenchError as refused:
                 summary.complain("bad input", str(refused))
                 return BAD_INPUT
@@ -167,26 +155,43 @@ class _Call:
                 place.folder.rmdir()  # Hydra made it for nothing; only an empty one goes
         return BAD_INPUT if expected else NOT_CERTIFIED
 
+    def _say(self, error: Exception, told: Exception, place: _Place | None) -> None:
+        if self.traced:
+            traceback.print_exception(error)
+        kind, advice = "bad input", ""
+        if not isinstance(told, BenchBenchError):
+            kind = "the run stopped with an error"
+            advice = "\n--traceback shows where; if no wrong input is named, please report it"
+        where = f" (run {len(self.codes) + 1}: {place.combination})" if place and place.sweep else ""
+        summary.complain(kind + where, reason(told) + advice)
+
 
 def _run(cfg: DictConfig, place: _Place) -> tuple[pipeline.Run, dict[str, Path]]:
     case = config.build(cfg, place.chosen)
-    from benchbench.storage.table import folder  # pandas takes half a second; bad input is told before
-
-    _check_writable(folder(place.root))
+    _check_writable(place.root)
     with LiveLine() as line:
         done = pipeline.run(case, line, place.labels)
         line.stage("files", None)
         return done, pipeline.write(done, place.folder, place.root, OmegaConf.to_yaml(cfg, resolve=True))
 
 
-def _check_writable(folder: Path) -> None:
+def _store(record: Record, place: _Place) -> None:
+    from benchbench.storage.table import append  # pandas takes half a second to import
+
+    write_record(place.folder, record)
+    append(record, place.root)
+
+
+def _check_writable(root: Path) -> None:
     """Raise BadInput before anything is computed for nothing; Hydra has made the run's own folder already."""
+    from benchbench.storage.table import folder
+
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
+        folder(root).mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder(root)):
             pass
     except OSError as error:
-        problem = f"cannot write into '{folder}': {error.strerror}"
+        problem = f"cannot write into '{folder(root)}': {error.strerror}"
         raise BadInput("output", problem, "a folder you may write to") from None
 
 

@@ -143,7 +143,7 @@ def test_limits_at_the_nodes_have_no_such_allowance(good: Plan) -> None:
         certify(good, task(good), slow, LIMITS)
     )
     narrow = table_one(tilt=float(np.max(np.abs(good.configuration[:, 4]))) - 1e-4)
-    assert "planned configuration 'pitch' beyond" in only_reason(certify(good, task(good), narrow, LIMITS))
+    assert "planned configuration 'pitch' exceeds" in only_reason(certify(good, task(good), narrow, LIMITS))
 
 
 def test_an_input_over_its_limit(good: Plan) -> None:

@@ -24,7 +24,7 @@ class ChenChenKanzow(Relaxation):
     row, H of any sign.
     """
 
-    schedule: Schedule = (1e-2, 3e-4)
+    schedule: Schedule = (3e-2, 3e-4)
     kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
     weight: float = Field(default=0.5, gt=0, le=1)
 

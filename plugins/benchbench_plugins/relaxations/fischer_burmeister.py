@@ -22,7 +22,7 @@ class FischerBurmeister(Relaxation):
     sigma is the radius of the rounded corner. Vanishing pairs: G >= 0 and the same row, H of any sign.
     """
 
-    schedule: Schedule = (3e-2, 3e-4)
+    schedule: Schedule = (1e-1, 5e-4)
     kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
 
     def relax(

@@ -21,7 +21,7 @@ class LinFukushima(Relaxation):
     Vanishing pairs get the slack form.
     """
 
-    schedule: Schedule = (1e-2, 1e-6)
+    schedule: Schedule = (1e-2, 1e-3, 1e-6)
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

@@ -23,7 +23,7 @@ class NaturalResidual(Relaxation):
     row, H of any sign.
     """
 
-    schedule: Schedule = (3e-2, 3e-4)
+    schedule: Schedule = (1e-1, 5e-4)
     kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
 
     def relax(
