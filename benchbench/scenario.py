@@ -34,7 +34,8 @@ class Scenario(BaseModel):
     target             motion of the target
     contacts           conditions that must hold together while in contact, by name
     kappa_init         number of consecutive nodes in contact, at least 1 (paper Eq. 26)
-    contact_seconds    duration of the contact in s; null: (kappa_init - 1) average steps
+    contact_seconds    duration of the contact in s; null: (kappa_init - 1) average steps. Planned by the phase
+                       formulations, asked for by the certificate; progress variables only count nodes
     contact_guess      where in the flight the contact is first guessed, as a fraction of the travel time
     intervals          N, number of intervals of the time grid
     travel_time        allowed travel time [s, s]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from benchbench.errors import BadInput
 from benchbench.motion import sample
 from benchbench.plan import Array, Plan
 from benchbench.storage.entry import Entry, nanoseconds
@@ -55,6 +56,21 @@ def write_mcap(
     `metadata` becomes the metadata record "benchbench" (for example the composed configuration as YAML).
     Raises BadInput("output", ...) when the file system refuses.
     """
+    try:
+        _write(path, plan, replay, scenario, model, metadata)
+    except RuntimeError as error:  # what the recorder makes of a full disk
+        wanted = "a folder you may write to, with free space"
+        raise BadInput("output", f"cannot write {path}: {error}", wanted) from error
+
+
+def _write(
+    path: Path,
+    plan: Plan,
+    replay: Replay | None,
+    scenario: Scenario,
+    model: Model,
+    metadata: Mapping[str, str],
+) -> None:
     from foxglove import Context, open_mcap
     from foxglove.mcap import MCAPWriteOptions
 
