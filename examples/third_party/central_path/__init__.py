@@ -1,0 +1,1 @@
+"""A relaxation for BenchBench from another package."""

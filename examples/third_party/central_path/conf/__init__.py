@@ -1,0 +1,1 @@
+"""Configuration that BenchBench finds through the entry point group `benchbench.conf`."""
