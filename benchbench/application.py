@@ -8,6 +8,7 @@ import os
 import re
 import sys
 import tempfile
+import time
 import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -26,7 +27,7 @@ from benchbench.failure import failed, reason
 from benchbench.hydra_errors import EXPECTED, explained
 from benchbench.overrides import carried
 from benchbench.progress import LiveLine
-from benchbench.storage.files import write_record
+from benchbench.storage.files import RECORD, write_record
 from benchbench.storage.schema import Record
 
 CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2
@@ -98,6 +99,7 @@ class _Place:
     chosen: dict[str, str]
     combination: str
     labels: dict[str, Any]
+    began: float
 
     @classmethod
     def of(cls, cfg: DictConfig) -> _Place:
@@ -109,7 +111,13 @@ class _Place:
         )
         combination = " ".join(run.overrides.task) if run.mode == RunMode.MULTIRUN else ""
         labels = {"run_id": _run_id(folder, root), "config_hash": config_hash(cfg)}
-        return cls(folder, root, dict(run.runtime.choices), combination, labels)
+        return cls(folder, root, dict(run.runtime.choices), combination, labels, time.time())
+
+    @property
+    def stored(self) -> bool:
+        """The record of this run, and not of an earlier one in the same folder, is there."""
+        record = self.folder / RECORD
+        return record.is_file() and record.stat().st_mtime >= self.began
 
     @property
     def sweep(self) -> bool:
@@ -144,13 +152,15 @@ class _Call:
         expected = isinstance(error, EXPECTED)
         told = explained(error) if expected else error
         self._say(error, told, place)
-        if place and (place.sweep or not expected):
+        if place is None or place.stored:  # stored: only the recording or the picture is missing
+            return BAD_INPUT if expected else NOT_CERTIFIED
+        if place.sweep or not expected:
             try:
                 _store(failed(told, place.chosen, place.labels | _sizes(cfg)), place)
             except BenchBenchError as refused:
                 summary.complain("bad input", str(refused))
                 return BAD_INPUT
-        elif place:
+        else:
             with contextlib.suppress(OSError):
                 place.folder.rmdir()  # Hydra made it for nothing; only an empty one goes
         return BAD_INPUT if expected else NOT_CERTIFIED

@@ -227,17 +227,12 @@ def _relax_all(pair: Pair, relaxation: Relaxation, sigma: ca.SX) -> tuple[ca.SX,
 
 def _shared(unknown: Shared, sigma: ca.SX) -> Mpcc:
     """The unknown and its cost."""
-    name, low, high, guess = (
-        unknown.symbol.name(),
-        *(np.full((1, 1), x) for x in (unknown.lower, unknown.upper, unknown.guess)),
-    )
+    name, none = unknown.symbol.name(), np.zeros((1, 1))
+    low, high, guess = (np.full((1, 1), x) for x in (unknown.lower, unknown.upper, unknown.guess))
     cost = ca.Function(f"{name}_cost", [unknown.symbol, ca.SX.sym("p", 0), sigma], [unknown.cost])
-    slot, none = Slot(name, np.zeros((1, 1), dtype=np.int64)), np.zeros((1, 1))
-    return Mpcc(
-        (Variable(name, low, high, guess),),
-        (),
-        (Block(f"{name}_cost", cost, (slot,), np.zeros((1, 0)), none, none),),
-    )
+    slot = Slot(name, none.astype(np.int64))
+    block = Block(f"{name}_cost", cost, (slot,), np.zeros((1, 0)), none, none)
+    return Mpcc((Variable(name, low, high, guess),), (), (block,))
 
 
 def _relax_scalar(

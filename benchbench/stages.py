@@ -83,10 +83,9 @@ def stages(mpcc: Mpcc) -> Stages:
     layout = _Layout.of(mpcc)
     costs, constraints = ([layout.moved(b, mpcc) for b in part] for part in (mpcc.costs, mpcc.constraints))
     links = layout.links()
-    variable = Variable(
-        ALL, *(c[:, None] for c in (layout.bound(mpcc.lower, -np.inf), layout.bound(mpcc.upper, np.inf))),
-        mpcc.guess[layout.source][:, None],
-    )  # fmt: skip
+    lower, upper = layout.bound(mpcc.lower, -np.inf), layout.bound(mpcc.upper, np.inf)
+    guess = mpcc.guess[layout.source]
+    variable = Variable(ALL, lower[:, None], upper[:, None], guess[:, None])
     stage = np.concatenate(
         [np.repeat(layout.stage(b, mpcc), b.function.size1_out(0)) for b in mpcc.constraints]
     )
@@ -127,12 +126,15 @@ class _Layout:
         column[shared] = np.arange(len(shared))
         linked = _linked(mpcc, node, interval)
         home, ahead = np.full(mpcc.size, -1), np.full(mpcc.size, -1)
-        carried, order, states, inputs = [], [], [], []
+        carried: list[Index] = []
+        order: list[Index] = []
+        states: list[int] = []
+        inputs: list[int] = []
         for k in range(count + 1):
             state = np.flatnonzero((node == k) & linked)
             free = np.flatnonzero(((node == k) & ~linked) | (interval == k))
             copies = np.flatnonzero((node == k + 1) & linked)
-            first = sum(map(len, order))
+            first = sum(len(known) for known in order)
             part = np.concatenate([state, shared, free, copies])
             place = first + np.arange(len(part))
             own = len(state) + len(shared)

@@ -188,6 +188,16 @@ def test_without_arguments_it_explains_itself(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+def test_row_stays_when_the_picture_cannot_be_written(tmp_path: Path) -> None:
+    (tmp_path / "out" / "plan.png").mkdir(parents=True)
+    (tmp_path / "out" / "record.json").write_text("{}")  # of an earlier run
+    done = program(tmp_path, "+scenario=static", *QUICK, "hydra.run.dir=out")
+    assert_refused(done, "output", "cannot write into")
+    (record,) = records(tmp_path)
+    assert record["status"] == "uncertified"
+    assert list(read(tmp_path / "results")["status"]) == ["uncertified"]
+
+
 def test_console_script_helps_with_the_choices_of_an_own_folder(tmp_path: Path) -> None:
     script = Path(sys.executable).with_name("benchbench")
     if not script.is_file():

@@ -61,7 +61,9 @@ def test_model_says_the_same() -> None:
     model.start(x)
     model.sigma.set_value(sigma)
     rows = np.concatenate([evaluate(block, mpcc, x, sigma).ravel() for block in mpcc.constraints])
-    lower, upper = (np.concatenate([getattr(b, k).ravel() for b in mpcc.constraints]) for k in ("lower", "upper"))
+    lower, upper = (
+        np.concatenate([getattr(b, k).ravel() for b in mpcc.constraints]) for k in ("lower", "upper")
+    )
     written = [i for i, row in enumerate(model.rows) if row is not None]
     assert len(model.rows) == len(rows) and len(written) > 0.9 * len(rows)
     for i in written:
@@ -101,12 +103,14 @@ def test_mpec_components() -> None:
     model = build(mpcc).model
     moving = [pair for pair in mpcc.pairs if not pair.block.name.startswith("heading")]
     assert len(model.touch) >= sum(pair.count for pair in moving)
-    assert all(hasattr(touch, "ccon") for touch in model.touch.values()), "mpec.simple_nonlinear was not applied"
+    assert all(hasattr(touch, "ccon") for touch in model.touch.values()), (
+        "mpec.simple_nonlinear was not applied"
+    )
 
 
 def test_other_solvers_refuse_pairs() -> None:
     case = compose("+scenario=static", "relaxation=none", "solver=ipopt")
-    with pytest.raises(IncompatibleCase, match="'none' leaves the pairs .* 'ipopt' takes none.*pyomo"):
+    with pytest.raises(IncompatibleCase, match=r"'none' leaves the pairs .* 'ipopt' takes none.*pyomo"):
         homotopy(by_hand()[0].mpcc, case, Ledger(30.0), "test")
 
 
@@ -114,7 +118,14 @@ def constant_row(value: float) -> Mpcc:
     mpcc = hs071().mpcc
     z, p, s = ca.SX.sym("z", 4), ca.SX.sym("p", 1), ca.SX.sym("sigma")
     slots, zero = mpcc.constraints[0].slots, np.zeros((1, 1))
-    fixed = Block("fixed", ca.Function("fixed", [z, p, s], [p + 0 * z[0]]), slots, np.full((1, 1), value), zero, zero + 1)
+    fixed = Block(
+        "fixed",
+        ca.Function("fixed", [z, p, s], [p + 0 * z[0]]),
+        slots,
+        np.full((1, 1), value),
+        zero,
+        zero + 1,
+    )
     return replace(mpcc, constraints=(fixed, *mpcc.constraints))
 
 
@@ -162,7 +173,9 @@ def test_executable(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Pyomo(executable="pounce").prepare(problem.mpcc, SETUP)(0.0, Point(problem.mpcc.guess))
     assert found.claim == "solved" and found.detail
     assert found.point.x == pytest.approx(problem.solution, abs=1e-5)
-    rows = replace(problem.mpcc.constraints[0], lower=np.array([[25.0, 101.0]]), upper=np.array([[np.inf, 200.0]]))
+    rows = replace(
+        problem.mpcc.constraints[0], lower=np.array([[25.0, 101.0]]), upper=np.array([[np.inf, 200.0]])
+    )
     hopeless = replace(problem.mpcc, constraints=(rows,))  # four squares of at most 5 do not reach 101
     none = Pyomo(executable="pounce").prepare(hopeless, SETUP)(0.0, Point(problem.mpcc.guess))
     assert none.claim != "solved"
@@ -171,10 +184,12 @@ def test_executable(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_executable_out_of_time(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A program that never answers is stopped."""
     program = tmp_path / "endless"
-    program.write_text("#!/bin/sh\n[ \"$1\" = -v ] && echo 1.0 && exit\nexec sleep 60\n")
+    program.write_text('#!/bin/sh\n[ "$1" = -v ] && echo 1.0 && exit\nexec sleep 60\n')
     program.chmod(0o755)
     monkeypatch.setenv("PATH", os.pathsep.join([str(tmp_path), os.environ["PATH"]]))
-    outcome = Pyomo(executable="endless").prepare(hs071().mpcc, Setup(seconds=1.0))(0.0, Point(hs071().mpcc.guess))
+    outcome = Pyomo(executable="endless").prepare(hs071().mpcc, Setup(seconds=1.0))(
+        0.0, Point(hs071().mpcc.guess)
+    )
     assert outcome.claim == "time_limit"
     assert outcome.point.x == pytest.approx(hs071().mpcc.guess)
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
+from typing import final
 
 import casadi as ca
 import numpy as np
@@ -17,10 +18,11 @@ from benchbench.case import Case, Ledger
 from benchbench.certificate.residuals import residuals
 from benchbench.config import compose, folder
 from benchbench.errors import BadInput
+from benchbench.guess import Guess
 from benchbench.homotopy import Solved, homotopy
 from benchbench.mpcc import Block, Mpcc, Pair, PairKind, Variable, evaluate, rows
 from benchbench.pipeline import run
-from benchbench.plan import Array
+from benchbench.plan import Array, Plan
 from benchbench.relaxation import relax, smooth
 
 NAMES = sorted(p.stem for p in Path(folder(), "relaxation").glob("*.yaml") if p.stem != "none")
@@ -334,20 +336,32 @@ def test_known_optima(name: str, source: str) -> None:
 # --- the handover -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_handover_ends_with_an_honest_verdict(name: str) -> None:
-    """At N = 25 Verlet's plans break the speed limit between nodes: nothing may be certified."""
-    chosen = compose(
-        "+scenario=static",
-        f"relaxation={name}",
-        "scenario.intervals=25",
-        "time_limit=10",
-        "iteration_limit=300",
+@final
+@dataclass(frozen=True)
+class Given(Guess):
+    """A plan that is there already."""
+
+    found: Plan
+
+    def plan(self, case: Case, ledger: Ledger) -> Plan:
+        return self.found
+
+
+@pytest.fixture(scope="module")
+def coarse() -> Case:
+    """Static at N = 25, where the plans of Verlet break the speed limit between nodes; starts from phases."""
+    few = compose(
+        "+scenario=static", "scenario.intervals=25", "compile=never", "time_limit=5", "iteration_limit=40"
     )
-    done = run(chosen)
+    return replace(few, guess=Given(few.guess.plan(few, Ledger(60.0))))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_handover_ends_with_an_honest_verdict(name: str, coarse: Case) -> None:
+    done = run(replace(coarse, relaxation=case(name).relaxation))
     assert done.record["iterations"] > 0
     assert not done.certificate.certified
     assert done.certificate.reasons
     again = residuals(done.result.problem.mpcc, done.result.solved.x)
-    if again.max_complementarity > chosen.limits.complementarity:
+    if not again.max_complementarity <= coarse.limits.complementarity:
         assert any("complementarity" in reason for reason in done.certificate.reasons)

@@ -64,7 +64,22 @@ def test_random_graphs(seed: int) -> None:
     rng = np.random.default_rng(seed)
     x, p = ca.SX.sym("x", 4), ca.SX.sym("p", 3)
     values = [*ca.vertsplit(x), *ca.vertsplit(p), ca.SX(0.0), ca.SX(1.0), ca.SX(0.7)]
-    smooth = ["sin", "cos", "tanh", "neg", "sq", "twice", "atan", "fabs", "add", "sub", "mul", "fmin", "fmax", "hypot"]
+    smooth = [
+        "sin",
+        "cos",
+        "tanh",
+        "neg",
+        "sq",
+        "twice",
+        "atan",
+        "fabs",
+        "add",
+        "sub",
+        "mul",
+        "fmin",
+        "fmax",
+        "hypot",
+    ]
     for _ in range(60):
         name = str(rng.choice(smooth))
         chosen = [values[i] for i in rng.integers(len(values), size=2)]
@@ -73,10 +88,14 @@ def test_random_graphs(seed: int) -> None:
     tape = record(function)
     parameters = rng.choice([0.0, 1.0, -0.3, 2.0], 3).tolist()
     symbol = ca.SX.sym("y", 4)
-    again = ca.Function("g", [symbol], [ca.vertcat(*tape.run([ca.vertsplit(symbol), parameters], OPERATIONS)[0])])
+    again = ca.Function(
+        "g", [symbol], [ca.vertcat(*tape.run([ca.vertsplit(symbol), parameters], OPERATIONS)[0])]
+    )
     for point in rng.normal(size=(5, 4)):
         wanted = numbers(function, [point, np.array(parameters)])
-        assert np.array(tape.run([list(point), parameters], {})[0]) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+        assert np.array(tape.run([list(point), parameters], {})[0]) == pytest.approx(
+            wanted, rel=1e-12, abs=1e-12
+        )
         assert numbers(again, [point]) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
 
 

@@ -35,8 +35,18 @@ class Bonmin(Solver):
 
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
         """Assemble, with the integer unknowns marked."""
-        backend = Backend("bonmin", CLAIMS, fixed={"discrete": [bool(i) for i in mpcc.integer], "pass_nonlinear_variables": False, "pass_nonlinear_constraints": False})
-        return casadi_nlp.prepare_with_derivatives(backend, mpcc, setup, {"bonmin": self.native_options(setup)})
+        backend = Backend(
+            "bonmin",
+            CLAIMS,
+            fixed={
+                "discrete": [bool(i) for i in mpcc.integer],
+                "pass_nonlinear_variables": False,
+                "pass_nonlinear_constraints": False,
+            },
+        )
+        return casadi_nlp.prepare_with_derivatives(
+            backend, mpcc, setup, {"bonmin": self.native_options(setup)}
+        )
 
     def native_options(self, setup: Setup) -> dict[str, Any]:
         """IPOPT's tol and max_iter in each node, time_limit over all nodes."""

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes
-import io
-import logging
 import math
-import os
-import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import metadata
-from typing import Any, final
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
 from benchbench.assemble import Program, assemble
+from benchbench.errors import BadInput, Unavailable
 from benchbench.mpcc import Mpcc
-from benchbench.solver import Claim, Outcome, Point, Prepared, Progress, Setup
+from benchbench.solver import Claim, Outcome, Point, Prepared, Setup
 from benchbench_plugins.solvers.library import oracle, signatures
+from benchbench_plugins.solvers.output import last_line
+from benchbench_plugins.solvers.output import quiet as quiet
+from benchbench_plugins.solvers.watch import Watch
 
-log = logging.getLogger(__name__)
 COMMON = {"calc_lam_p": False, "print_time": False, "error_on_fail": False}
 UNIFIED: dict[str, Claim] = {
     "SOLVER_RET_LIMITED": "iteration_limit",
@@ -40,7 +37,8 @@ class Backend:
     claims   what its `return_status` means where success and CasADi's unified status do not say it
     change   what is done to the assembled program before it is solved, such as sorting rows into stages
     fixed    CasADi options that belong to this problem only (structure, integrality)
-    watched  it calls `iteration_callback`: live progress, and an end at the time limit where it has none
+    watched  it calls `iteration_callback`, so its progress can be shown
+    timed    it stops at a time limit by itself; what is watched but not timed is stopped by us
     """
 
     plugin: str
@@ -48,6 +46,7 @@ class Backend:
     change: Callable[[Program], Program] = lambda program: program
     fixed: Mapping[str, Any] | None = None
     watched: bool = False
+    timed: bool = True
 
 
 def prepare(backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, Any]) -> Prepared:
@@ -60,7 +59,9 @@ def prepare(backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, An
     options = {**COMMON, **options}
     with quiet():
         program = backend.change(assemble(mpcc, setup.compile))
-        problem: Any = oracle(program, mpcc, signatures(backend.plugin, options)) if program.compiled else None
+        problem: Any = None
+        if program.compiled:
+            problem = oracle(program, mpcc, signatures(_create(backend.plugin, _tiny(), options)))
         if problem is None:
             program = backend.change(assemble(mpcc, "never")) if program.compiled else program
             problem, options["expand"] = _problem(program), True
@@ -72,22 +73,27 @@ def prepare_with_derivatives(
 ) -> Prepared:
     """Build a solver that takes derivative functions as options (IPOPT, BONMIN): nothing more to compile.
 
-    Without the two switches in `COMMON` CasADi would ask blocks for derivatives they do not have.
+    Without `no_nlp_grad` and `calc_lam_p` CasADi would ask blocks for derivatives they do not have.
     """
     program = backend.change(assemble(mpcc, setup.compile))
     own = {
         "grad_f": program.gradient, "jac_g": program.jacobian, "hess_lag": program.hessian,
         "no_nlp_grad": True, "calc_f": False, "calc_g": False,
     }  # fmt: skip
-    return finish(backend, program, _problem(program), setup, {**COMMON, **own, **options, **(backend.fixed or {})})
+    return finish(
+        backend, program, _problem(program), setup, {**COMMON, **own, **options, **(backend.fixed or {})}
+    )
 
 
-def finish(backend: Backend, program: Program, problem: Any, setup: Setup, options: dict[str, Any]) -> Prepared:
+def finish(
+    backend: Backend, program: Program, problem: Any, setup: Setup, options: dict[str, Any]
+) -> Prepared:
     """Create the nlpsol and what runs it."""
-    watch = Watch(program, setup) if backend.watched else None
+    needed = setup.progress is not None or not backend.timed
+    watch = Watch(program, setup) if backend.watched and needed else None
     if watch:
         options = {**options, "iteration_callback": watch}
-    solver = ca.nlpsol(backend.plugin, backend.plugin, problem, options)
+    solver = _create(backend.plugin, problem, options)
 
     def solve(sigma: float, start: Point) -> Outcome:
         if watch:
@@ -99,8 +105,26 @@ def finish(backend: Backend, program: Program, problem: Any, setup: Setup, optio
     return solve
 
 
+def _create(plugin: str, problem: Any, options: dict[str, Any]) -> ca.Function:
+    try:
+        return ca.nlpsol(plugin, plugin, problem, options)
+    except RuntimeError as error:  # CasADi's only exception
+        text = last_line(error)
+        if "is not found" in text:
+            raise Unavailable(
+                f"{plugin}: {text}; remedy: pip install casadi (its wheel), or another choice"
+            ) from error
+        raise BadInput("solver", f"{plugin} refused its options: {text}", f"options of {plugin}") from error
+
+
 def _problem(program: Program) -> dict[str, ca.MX]:
     return {"x": program.x, "p": program.p, "f": program.f, "g": program.g}
+
+
+def _tiny() -> dict[str, ca.MX]:
+    """A problem on which a plugin shows which functions it asks for."""
+    x, p = ca.MX.sym("x", 2), ca.MX.sym("p")
+    return {"x": x, "p": p, "f": ca.sumsqr(x - p) + x[0] ** 4, "g": x[0] * x[1]}
 
 
 def _run(
@@ -115,21 +139,20 @@ def _run(
     began = time.process_time()
     try:
         result = solver(**arguments)
+        stats = solver.stats()
     except RuntimeError as error:  # CasADi's only exception; some plugins raise where others set a status
-        cause = str(error).strip().splitlines()[-1]
-        return Outcome("failed", start, math.nan, 0, 0, time.process_time() - began, cause)
+        return Outcome("failed", start, math.nan, 0, 0, time.process_time() - began, last_line(error))
     spent = time.process_time() - began
-    stats = solver.stats()
     calls = sum(int(v) for k, v in stats.items() if k.startswith(("n_call_nlp", "n_call_fwd1_nlp")))
     late = watch is not None and watch.late
     return Outcome(
-        claim="time_limit" if late else claim(stats, claims),
+        claim="time_limit" if late and not stats["success"] else claim(stats, claims),
         point=Point(*(np.asarray(result[k]).ravel() for k in ("x", "lam_g", "lam_x"))),
         objective=float(result["f"]),
         iterations=int(stats.get("iter_count", 0)) if calls else 0,  # garbage if refused before the start
         evaluations=calls,
         cpu_s=spent,
-        detail="stopped by us at the time limit" if late else str(stats.get("return_status", stats["unified_return_status"])),
+        detail=str(stats.get("return_status", stats["unified_return_status"])),
         times={k.removeprefix("t_proc_"): float(v) for k, v in stats.items() if k.startswith("t_proc_nlp")},
     )  # fmt: skip
 
@@ -145,77 +168,3 @@ def claim(stats: Mapping[str, Any], claims: Mapping[str, Claim]) -> Claim:
 def version(plugin: str) -> str:
     """CasADi's version names the library bundled in its wheel."""
     return f"{plugin} (casadi {metadata.version('casadi')})"
-
-
-@contextlib.contextmanager
-def quiet(errors: bool = True) -> Iterator[None]:
-    """Send what CasADi prints (and with `errors` its warnings) to the debug log; drop what libraries print."""
-    text = io.StringIO()
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(_descriptor_closed(1))
-        stack.enter_context(contextlib.redirect_stdout(text))
-        if errors:
-            stack.enter_context(contextlib.redirect_stderr(text))
-        yield
-    if text.getvalue():
-        log.debug(text.getvalue())
-
-
-@contextlib.contextmanager
-def _descriptor_closed(number: int) -> Iterator[None]:
-    """Point a file descriptor at nothing: Uno prints a line for each fixed unknown, whatever its options say."""
-    if os.name != "posix":
-        yield
-        return
-    sys.stdout.flush()
-    flush = ctypes.CDLL(None).fflush
-    kept, nowhere = os.dup(number), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, number)
-    try:
-        yield
-    finally:
-        flush(None)
-        os.dup2(kept, number)
-        os.close(kept)
-        os.close(nowhere)
-
-
-@final
-class Watch(ca.Callback):
-    """Called each iteration: hands it to the progress display, and stops a plugin without a time limit."""
-
-    def __init__(self, program: Program, setup: Setup) -> None:
-        ca.Callback.__init__(self)
-        n, m = len(program.lower_x), len(program.lower_g)
-        self.sizes = {"x": n, "f": 1, "g": m, "lam_x": n, "lam_g": m, "lam_p": 1}
-        self.program, self.progress, self.seconds = program, setup.progress, setup.seconds
-        self.begin()
-        self.construct("watch", {})
-
-    def begin(self) -> None:
-        """Start counting iterations and time."""
-        self.count, self.began, self.late = 0, time.perf_counter(), False
-
-    def get_n_in(self) -> int:
-        return ca.nlpsol_n_out()
-
-    def get_n_out(self) -> int:
-        return 1
-
-    def get_name_in(self, i: int) -> str:
-        return ca.nlpsol_out(i)
-
-    def get_sparsity_in(self, i: int) -> ca.Sparsity:
-        return ca.Sparsity.dense(self.sizes[ca.nlpsol_out(i)], 1)
-
-    def eval(self, arguments: Sequence[ca.DM]) -> list[int]:
-        if self.progress:
-            self._show(self.progress, dict(zip(map(ca.nlpsol_out, range(len(arguments))), arguments, strict=True)))
-        self.count += 1
-        self.late = time.perf_counter() - self.began > self.seconds
-        return [int(self.late)]
-
-    def _show(self, progress: Progress, values: Mapping[str, ca.DM]) -> None:
-        g = np.asarray(values["g"]).ravel()
-        violation = np.maximum(self.program.lower_g - g, g - self.program.upper_g).max(initial=0.0)
-        progress(self.count, np.asarray(values["x"]).ravel(), float(violation))

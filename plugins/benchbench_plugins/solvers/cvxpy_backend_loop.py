@@ -14,8 +14,12 @@ from benchbench_plugins.solvers.cvxpy_backend_qp import Step, Subproblem
 
 ACCEPT = 1e-4
 """A step is taken when the merit function falls by this share of what the convex model promised."""
+ACCEPTABLE = 100.0
+"""Where nothing moves any more, so many tolerances still count as solved, as IPOPT's acceptable level."""
 HEAVIEST = 1e8
 """Largest weight of a row; a violation that survives it is called infeasible."""
+NOISE = 1e-11
+"""Smallest promise, relative to 1 + |f|, that the accuracy of the convex solver can vouch for."""
 SMALLEST = 1e-10
 """Trust region in which nothing can move any more."""
 
@@ -33,13 +37,16 @@ class Rules:
 
     @property
     def negligible(self) -> float:
-        """A promise of less than this counts as none: the square of the tolerance, as a step has it."""
-        return max(self.tolerance**2, 1e-12)
+        """A promise of less than this, relative to 1 + |f|, is none: the tolerance squared, as a step has it."""
+        return max(self.tolerance**2, NOISE)
 
 
 @dataclass(frozen=True)
 class State:
-    """An iterate x (n,), the program there, multipliers, weights; `promise` is what the last model hoped for."""
+    """An iterate x (n,), the program there, multipliers, weights; `promise` is what the last model hoped for.
+
+    `stiffness` in (0, 1] multiplies the curvature, which by its construction is too large.
+    """
 
     x: Array
     at: Linear
@@ -47,6 +54,7 @@ class State:
     lam_x: Array
     weights: Array
     radius: float
+    stiffness: float = 1.0
     promise: float = np.inf
 
 
@@ -71,8 +79,8 @@ class Method:
             elif time.perf_counter() - began > self.rules.seconds:
                 claim, detail = "time_limit", "all time used"
             else:
-                state, count = self._advance(state), count + 1
-                claim, detail = self._verdict(state)
+                before, state, count = state, self._advance(state), count + 1
+                claim, detail = self._verdict(state, before)
                 if self.rules.progress:
                     self.rules.progress(count, state.x, float(state.at.violation.max(initial=0.0)))
         point = Point(state.x, state.lam_g * self.model.scale, state.lam_x)
@@ -88,7 +96,7 @@ class Method:
 
     def _advance(self, state: State) -> State:
         """Take one step, with a smaller trust region as often as needed; the same x when none helps."""
-        curvature = self.model.curvature(state.x, self.sigma, state.lam_g)
+        curvature = state.stiffness * self.model.curvature(state.x, self.sigma, state.lam_g)
         self.subproblem.pose(state.at, curvature, state.weights)
         radius = state.radius
         while radius > SMALLEST:
@@ -98,12 +106,14 @@ class Method:
                 radius /= 4
                 continue
             promise = self._promise(state, step.d, curvature)
-            if promise <= 1e-14 * (1 + abs(state.at.f)):
-                return self._adopt(state, step, (low, high), state.x, state.at, radius, 0.0)
+            if promise <= NOISE * (1 + abs(state.at.f)):
+                return self._polish(replace(state, radius=radius, promise=0.0), step, (low, high))
             x, at, ratio = self._try(state, step, promise, low, high)
             size = float(np.max(np.abs(step.d) / self._reach(state.x), initial=0.0))
             if ratio > ACCEPT:
-                return self._adopt(state, step, (low, high), x, at, _next(radius, ratio, size), promise)
+                known = replace(state, radius=_radius(radius, ratio, size), promise=promise)
+                known = replace(known, stiffness=_stiffness(state.stiffness, ratio))
+                return self._adopt(known, step, (low, high), x, at)
             radius = 0.4 * min(radius, size)
         return replace(state, radius=radius)
 
@@ -124,16 +134,18 @@ class Method:
         at = self.model.at(x, self.sigma)
         return x, at, (before - self._merit(state, at)) / promise
 
-    def _adopt(
-        self,
-        state: State,
-        step: Step,
-        box: tuple[Array, Array],
-        x: Array,
-        at: Linear,
-        radius: float,
-        promise: float,
-    ) -> State:
+    def _polish(self, state: State, step: Step, box: tuple[Array, Array]) -> State:
+        """Take a step that promises nothing only if it lessens the violation and costs nothing."""
+        x = state.x + step.d
+        at = self.model.at(x, self.sigma)
+        worse = self._merit(state, at) - self._merit(state, state.at)
+        if worse <= NOISE * (1 + abs(state.at.f)) and at.violation.max(initial=0) < state.at.violation.max(
+            initial=0
+        ):
+            return self._adopt(state, step, box, x, at)
+        return self._adopt(state, step, box, state.x, state.at)
+
+    def _adopt(self, state: State, step: Step, box: tuple[Array, Array], x: Array, at: Linear) -> State:
         """Next iterate: a row with slack left weighs four times as much, another near twice its multiplier."""
         needed = 2 * np.abs(step.lam_g)
         left = self.model.outside(state.at.g + state.at.jacobian @ step.d) > 1e-9
@@ -142,20 +154,22 @@ class Method:
         (low, high), program = box, self.model.program
         upper = np.where(high >= program.upper_x - state.x, np.maximum(step.lam_d, 0.0), 0.0)
         lower = np.where(low <= program.lower_x - state.x, np.minimum(step.lam_d, 0.0), 0.0)
-        return State(x, at, step.lam_g, upper + lower, weights, radius, promise)
+        return replace(state, x=x, at=at, lam_g=step.lam_g, lam_x=upper + lower, weights=weights)
 
-    def _verdict(self, state: State) -> tuple[Claim | None, str]:
+    def _verdict(self, state: State, before: State) -> tuple[Claim | None, str]:
         """Solved: violation and either KKT residual or promise are small enough. Else it may be stuck."""
-        promised, tolerance = f"predicted decrease {state.promise:.1e}", self.rules.tolerance
+        violation, residual, tolerance = state.at.violation, self._kkt(state), self.rules.tolerance
+        worst = float(violation.max(initial=0.0))
+        detail = f"violation {worst:.1e}, KKT residual {residual:.1e}, promised decrease {state.promise:.1e}"
         nothing = state.promise <= self.rules.negligible * (1 + abs(state.at.f))
-        if np.all(state.at.violation <= tolerance):
-            residual = self._kkt(state)
-            if nothing or residual <= tolerance:
-                return "solved", f"KKT residual {residual:.1e}, {promised}"
-        elif nothing and np.all(state.weights[state.at.violation > tolerance] >= HEAVIEST):
-            return "infeasible", f"violation {state.at.violation.max():.1e} stays, {promised}"
-        if state.radius <= SMALLEST:
-            return "failed", f"no step helps, violation {state.at.violation.max(initial=0.0):.1e}"
+        if worst <= tolerance and (nothing or residual <= tolerance):
+            return "solved", detail
+        if nothing and worst > tolerance and np.all(state.weights[violation > tolerance] >= HEAVIEST):
+            return "infeasible", detail
+        still = state.x is before.x and bool(np.all(state.weights <= 1.01 * before.weights))
+        if state.radius <= SMALLEST or still:
+            acceptable = max(worst, residual) <= ACCEPTABLE * tolerance
+            return "solved" if acceptable else "failed", f"no step helps any more, {detail}"
         return None, ""
 
     def _kkt(self, state: State) -> float:
@@ -187,8 +201,15 @@ class Method:
         return np.maximum(program.lower_x - x, -down), np.minimum(program.upper_x - x, radius * reach)
 
 
-def _next(radius: float, ratio: float, size: float) -> float:
+def _radius(radius: float, ratio: float, size: float) -> float:
     """Grow after a good step that met the edge, shrink after a poor one."""
     if ratio > 0.75 and size >= 0.9 * radius:
         return min(2.5 * radius, 1e6)
     return max(0.5 * min(radius, size), 1e-4) if ratio < 0.25 else radius
+
+
+def _stiffness(stiffness: float, ratio: float) -> float:
+    """Soften after a step that gained more than promised, stiffen after one that gained less."""
+    if ratio > 1.3:
+        return max(0.5 * stiffness, 1e-3)
+    return min(2.0 * stiffness, 1.0) if ratio < 0.75 else stiffness

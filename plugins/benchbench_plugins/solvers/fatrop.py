@@ -19,7 +19,7 @@ CLAIMS: dict[str, Claim] = {"0": "solved", "1": "failed", "-1": "failed"}
 @final
 @dataclass(frozen=True)
 class Fatrop(Solver):
-    """Interior-point method with a stage-wise Riccati factorisation (Vanroye et al. 2023, doi:10.1109/IROS55552.2023.10342336).
+    """Interior-point method with a stage-wise Riccati factorisation (Vanroye et al. 2023, arXiv:2303.16746).
 
     The problem is brought into stages first (see `benchbench.stages`), with copies of durations and of the
     next node. `options` are FATROP's own and win. It has no time limit.
@@ -31,7 +31,9 @@ class Fatrop(Solver):
         """Put into stages, assemble, solve there, read back."""
         staged = stages(mpcc)
         options = {"fatrop": self.native_options(setup)}
-        solve = casadi_nlp.prepare(Backend("fatrop", CLAIMS, staged.reorder, _structure(staged)), staged.mpcc, setup, options)
+        solve = casadi_nlp.prepare(
+            Backend("fatrop", CLAIMS, staged.reorder, _structure(staged)), staged.mpcc, setup, options
+        )
 
         def through(sigma: float, start: Point) -> Outcome:
             outcome = solve(sigma, staged.there(start))

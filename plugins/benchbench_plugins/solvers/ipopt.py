@@ -23,7 +23,9 @@ CLAIMS: dict[str, Claim] = {
     "Invalid_Number_Detected": "invalid",
 }
 BUNDLED = ("mumps", "spral")
-REMEDY = "linear_solver=mumps or spral, or put the linear solver's library (HSL: libhsl.so) on LD_LIBRARY_PATH"
+REMEDY = (
+    "linear_solver=mumps or spral, or put the linear solver's library (HSL: libhsl.so) on LD_LIBRARY_PATH"
+)
 
 
 @final

@@ -63,11 +63,8 @@ def oracle(program: Program, mpcc: Mpcc, wanted: Signatures) -> ca.Function | No
     return ca.external("nlp", str(compiled)) if compiled else None
 
 
-def signatures(plugin: str, options: Mapping[str, object]) -> Signatures:
-    """Return the functions a plugin asks for, found out by giving it a problem with two unknowns."""
-    x, p = ca.MX.sym("x", 2), ca.MX.sym("p")
-    tiny = {"x": x, "p": p, "f": ca.sumsqr(x - p) + x[0] ** 4, "g": x[0] * x[1]}
-    solver = ca.nlpsol("tiny", plugin, tiny, dict(options))
+def signatures(solver: ca.Function) -> Signatures:
+    """Return the functions that an nlpsol asked its oracle for."""
     found = (solver.get_function(name) for name in solver.get_function())
     return {f.name(): (tuple(f.name_in()), tuple(f.name_out())) for f in found}
 
@@ -112,7 +109,10 @@ def _compile(source: Path, libraries: list[Path]) -> Path | None:
         return target
     made = source.with_suffix(".so")
     job = subprocess.run(
-        ["gcc", *FLAGS, str(source), "-o", str(made), *links, "-lm"], capture_output=True, text=True, check=False
+        ["gcc", *FLAGS, str(source), "-o", str(made), *links, "-lm"],
+        capture_output=True,
+        text=True,
+        check=False,
     )
     if job.returncode:
         log.warning("gcc failed on the assembled program: %s", job.stderr.strip()[-200:])

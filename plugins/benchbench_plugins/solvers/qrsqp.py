@@ -22,7 +22,7 @@ CLAIMS: dict[str, Claim] = {
 @final
 @dataclass(frozen=True)
 class Qrsqp(Solver):
-    """Line-search SQP with a sparse QR active-set QP (Andersson & Rawlings 2018, doi:10.1016/j.ifacol.2018.09.014).
+    """Line-search SQP with a sparse QR active-set QP (Andersson & Rawlings 2018, IFAC-PapersOnLine 51(20)).
 
     `options` are those of CasADi's qrsqp.
     """
@@ -31,7 +31,9 @@ class Qrsqp(Solver):
 
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
         """Assemble and build."""
-        return casadi_nlp.prepare(Backend("qrsqp", CLAIMS, watched=True), mpcc, setup, self.native_options(setup))
+        return casadi_nlp.prepare(
+            Backend("qrsqp", CLAIMS, watched=True, timed=False), mpcc, setup, self.native_options(setup)
+        )
 
     def native_options(self, setup: Setup) -> dict[str, Any]:
         """tol_pr, tol_du and max_iter of qrsqp; time is watched from outside."""

@@ -42,7 +42,9 @@ class Sleqp(Solver):
         """Assemble and build."""
         native = self.native_options(setup)
         outer = {key: native.pop(key) for key in CASADI if key in native}
-        return casadi_nlp.prepare(Backend("sleqp", CLAIMS), mpcc, setup, {**outer, "sleqp": native})
+        return casadi_nlp.prepare(
+            Backend("sleqp", CLAIMS, watched=True), mpcc, setup, {**outer, "sleqp": native}
+        )
 
     def native_options(self, setup: Setup) -> dict[str, Any]:
         """SLEQP's three tolerances, max_iter and max_wall_time."""
