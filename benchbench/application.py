@@ -21,7 +21,7 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
-from benchbench import __version__, config, pipeline, summary
+from benchbench import __version__, commands, config, pipeline, summary
 from benchbench.errors import BadInput, BenchBenchError
 from benchbench.failure import failed, reason
 from benchbench.hydra_errors import EXPECTED, explained
@@ -54,6 +54,8 @@ def start(arguments: Sequence[str]) -> int:
 
 
 def _do(arguments: Sequence[str], traced: bool) -> int:
+    if arguments and arguments[0] in commands.names():
+        return commands.run(arguments[0], arguments[1:])
     options, unknown = get_args_parser().parse_known_args([a for a in arguments if a != "--version"])
     if unknown:
         raise BadInput(unknown[0], "there is no such option", "what --help shows")

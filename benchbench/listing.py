@@ -10,6 +10,7 @@ from importlib.metadata import packages_distributions
 from typing import Any, get_args
 
 import hydra
+from hydra.core.global_hydra import GlobalHydra
 from omegaconf import OmegaConf
 
 from benchbench import config, registry
@@ -42,7 +43,9 @@ def listing(arguments: Sequence[str]) -> Iterator[str]:
         return
     family, _, name = arguments[0].partition("=")
     if family not in config.FAMILIES or name not in config.choices(family):
-        raise BadInput("plugins", f"'{arguments[0]}' does not exist", " ".join(f"{f}=NAME" for f in config.FAMILIES))
+        raise BadInput(
+            "plugins", f"'{arguments[0]}' does not exist", " ".join(f"{f}=NAME" for f in config.FAMILIES)
+        )
     yield inspect.cleandoc(_class(_composed(family, name)).__doc__ or "")
     if family == "solver":
         yield ""
@@ -53,7 +56,9 @@ def _everything() -> Iterator[str]:
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
         found = {family: _family(family) for family in config.FAMILIES}
     found |= {family: _registered(family) for family in ("contacts", "motions")}
-    widths = tuple(max(len(getattr(row, k)) for rows in found.values() for row in rows) for k in ("name", "origin"))
+    widths = tuple(
+        max(len(getattr(row, k)) for rows in found.values() for row in rows) for k in ("name", "origin")
+    )
     for family, rows in found.items():
         yield family
         yield from (row.line(widths) for row in rows)  # type: ignore[arg-type]
@@ -91,7 +96,7 @@ def _options(case: Any) -> Iterator[str]:
 
 
 def _composed(family: str, name: str) -> dict[str, Any]:
-    if not hydra.core.global_hydra.GlobalHydra.instance().is_initialized():
+    if not GlobalHydra.instance().is_initialized():
         with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
             return _composed(family, name)
     fields = hydra.compose(f"{family}/{name}")[family]

@@ -49,4 +49,6 @@ def _descriptor_closed(number: int) -> Iterator[None]:
 
 def last_line(error: RuntimeError) -> str:
     """What CasADi says in the end, without the place in its source."""
-    return re.sub(r"^\.\.\./\S+: ", "", str(error).strip().splitlines()[-1].strip()).removeprefix("Error code: ")
+    return re.sub(r"^\.\.\./\S+: ", "", str(error).strip().splitlines()[-1].strip()).removeprefix(
+        "Error code: "
+    )
