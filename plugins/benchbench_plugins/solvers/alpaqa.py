@@ -18,7 +18,8 @@ from benchbench_plugins.solvers.casadi_nlp import Backend
 class Alpaqa(Solver):
     """Augmented Lagrangian with PANOC (Pas, Schuurmans & Patrinos 2022, doi:10.23919/ECC55457.2022.9838172).
 
-    `options` are alpaqa's own ("alm...", "panoc...", "lbfgs...") and win. It reports no iterations.
+    `options` are alpaqa's own ("alm...", "panoc...", "lbfgs...") and win. It reports no
+    iterations, so calls of its gradient are counted.
     """
 
     options: dict[str, Any] = field(default_factory=dict)

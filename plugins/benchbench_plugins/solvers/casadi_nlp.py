@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import metadata
 from typing import Any
 
@@ -99,7 +100,9 @@ def finish(
         if watch:
             watch.begin()
         with quiet(setup.progress is None):
-            return _run(solver, program, backend.claims, watch, sigma, start)
+            outcome = _run(solver, program, backend.claims, watch, sigma, start)
+        ran_out = outcome.claim == "failed" and outcome.iterations >= setup.iterations
+        return replace(outcome, claim="iteration_limit") if ran_out else outcome
 
     solve.keep = watch  # type: ignore[attr-defined]  # CasADi holds no reference to its callback
     return solve
@@ -107,9 +110,11 @@ def finish(
 
 def _create(plugin: str, problem: Any, options: dict[str, Any]) -> ca.Function:
     try:
-        return ca.nlpsol(plugin, plugin, problem, options)
+        with quiet() as printed:
+            return ca.nlpsol(plugin, plugin, problem, options)
     except RuntimeError as error:  # CasADi's only exception
-        text = last_line(error)
+        wrong = re.search(r"Setting: .* for Option: \w+", printed.getvalue())  # IPOPT's way
+        text = wrong[0] if wrong else last_line(error)
         if "is not found" in text:
             raise Unavailable(
                 f"{plugin}: {text}; remedy: pip install casadi (its wheel), or another choice"
@@ -145,16 +150,23 @@ def _run(
     spent = time.process_time() - began
     calls = sum(int(v) for k, v in stats.items() if k.startswith(("n_call_nlp", "n_call_fwd1_nlp")))
     late = watch is not None and watch.late
+    said = claim(stats, claims) if math.isfinite(float(result["f"])) else "invalid"
     return Outcome(
-        claim="time_limit" if late and not stats["success"] else claim(stats, claims),
+        claim="time_limit" if late and not stats["success"] else said,
         point=Point(*(np.asarray(result[k]).ravel() for k in ("x", "lam_g", "lam_x"))),
         objective=float(result["f"]),
-        iterations=int(stats.get("iter_count", 0)) if calls else 0,  # garbage if refused before the start
+        iterations=_iterations(stats) if calls else 0,  # garbage if refused before the start
         evaluations=calls,
         cpu_s=spent,
         detail=str(stats.get("return_status", stats["unified_return_status"])),
         times={k.removeprefix("t_proc_"): float(v) for k, v in stats.items() if k.startswith("t_proc_nlp")},
     )  # fmt: skip
+
+
+def _iterations(stats: Mapping[str, Any]) -> int:
+    """Iterations; calls of the gradient where the library does not say (BONMIN, alpaqa)."""
+    gradients = max(int(stats.get(f"n_call_nlp_{name}", 0)) for name in ("grad_f", "grad_psi"))
+    return int(stats.get("iter_count", 0)) or gradients
 
 
 def claim(stats: Mapping[str, Any], claims: Mapping[str, Claim]) -> Claim:

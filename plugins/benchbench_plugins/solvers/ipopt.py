@@ -22,7 +22,8 @@ CLAIMS: dict[str, Claim] = {
     "Maximum_WallTime_Exceeded": "time_limit",
     "Invalid_Number_Detected": "invalid",
 }
-BUNDLED = ("mumps", "spral")
+LIBRARIES = ("ma27", "ma57", "ma77", "ma86", "ma97", "pardiso")
+"""Linear solvers whose library the wheel does not have; IPOPT refuses unknown names by itself."""
 REMEDY = (
     "linear_solver=mumps or spral, or put the linear solver's library (HSL: libhsl.so) on LD_LIBRARY_PATH"
 )
@@ -44,7 +45,7 @@ class Ipopt(Solver):
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
         """Assemble once, build one CasADi solver with sigma as its parameter."""
         native = self.native_options(setup)
-        if native["linear_solver"] not in BUNDLED:
+        if native["linear_solver"] in LIBRARIES:
             require("ipopt", {"ipopt": {"linear_solver": native["linear_solver"], "print_level": 0}}, REMEDY)
         backend = Backend("ipopt", CLAIMS, watched=True)
         return casadi_nlp.prepare_with_derivatives(backend, mpcc, setup, {"ipopt": native})
