@@ -35,7 +35,7 @@ class Alpaqa(Solver):
             "alm.tolerance": tolerance,
             "alm.dual_tolerance": tolerance,
             "alm.max_time": f"{1e3 * setup.seconds:.0f}ms",
-            "alm.max_iter": 100,
+            "alm.max_iter": min(100, setup.iterations),
             "panoc.max_iter": setup.iterations,
             "lbfgs.memory": 20,
             "alm.print_interval": 0,

@@ -16,6 +16,7 @@ import numpy as np
 from benchbench.assemble import Program, assemble
 from benchbench.errors import BadInput, Unavailable
 from benchbench.mpcc import Mpcc
+from benchbench.plan import Array
 from benchbench.solver import Claim, Outcome, Point, Prepared, Setup
 from benchbench_plugins.solvers.library import oracle, signatures
 from benchbench_plugins.solvers.output import last_line
@@ -153,7 +154,7 @@ def _run(
     said = claim(stats, claims) if math.isfinite(float(result["f"])) else "invalid"
     return Outcome(
         claim="time_limit" if late and not stats["success"] else said,
-        point=Point(*(np.asarray(result[k]).ravel() for k in ("x", "lam_g", "lam_x"))),
+        point=_point(*(np.asarray(result[k]).ravel() for k in ("x", "lam_g", "lam_x"))),
         objective=float(result["f"]),
         iterations=_iterations(stats) if calls else 0,  # garbage if refused before the start
         evaluations=calls,
@@ -161,6 +162,11 @@ def _run(
         detail=str(stats.get("return_status", stats["unified_return_status"])),
         times={k.removeprefix("t_proc_"): float(v) for k, v in stats.items() if k.startswith("t_proc_nlp")},
     )  # fmt: skip
+
+
+def _point(x: Array, lam_g: Array, lam_x: Array) -> Point:
+    """The point, without multipliers where the plugin gives NaN for them (BONMIN)."""
+    return Point(x, lam_g, lam_x) if np.all(np.isfinite(np.append(lam_g, lam_x))) else Point(x)
 
 
 def _iterations(stats: Mapping[str, Any]) -> int:
