@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 import casadi as ca
 import numpy as np
@@ -102,6 +102,9 @@ class Trajectory(Protocol):
 
 class Dynamics(ABC):
     """A transcription: continuous dynamics and limits become variables and blocks."""
+
+    needs_lagrangian: ClassVar[bool] = False
+    """Variational integrators discretise the Lagrangian; a model without one is refused."""
 
     @property
     @abstractmethod

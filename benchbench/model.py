@@ -33,6 +33,7 @@ class Coordinates:
 class Model(ABC):
     """A vehicle as a planner sees it: a Lagrangian system with generalised forces.
 
+    A model that has no Lagrangian gives `acceleration` instead; variational dynamics then refuse it.
     Symbols are CasADi SX columns: q (n_q), v = dq/dt (n_q), u (n_u). SI units, angles in rad.
     """
 
@@ -53,9 +54,21 @@ class Model(ABC):
     def inputs(self) -> Coordinates:
         """Inputs u and their limits."""
 
-    @abstractmethod
     def lagrangian(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """Return the scalar L(q, v) = K - V in joules."""
+        raise NotImplementedError(f"{type(self).__name__} has no Lagrangian")
+
+    def acceleration(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
+        """Return d2q/dt2, shape (n_q,): by the Euler-Lagrange equations (paper Eq. 13-14), unless overridden."""
+        lagrangian = self.lagrangian(q, v)
+        momentum = ca.gradient(lagrangian, v)
+        bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q)
+        return ca.solve(ca.jacobian(momentum, v), self.force(q, v, u) - bias)
+
+    @property
+    def has_lagrangian(self) -> bool:
+        """Whether `lagrangian` is given."""
+        return type(self).lagrangian is not Model.lagrangian
 
     @abstractmethod
     def force(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
@@ -101,14 +114,6 @@ class Plant(ABC):
 def mass_matrix(model: Model, q: ca.SX, v: ca.SX) -> ca.SX:
     """Return M(q) = d2L/dv2, shape (n_q, n_q)."""
     return ca.hessian(model.lagrangian(q, v), v)[0]
-
-
-def acceleration(model: Model, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
-    """Return d2q/dt2 from the Euler-Lagrange equations d/dt dL/dv - dL/dq = Q (paper Eq. 13-14)."""
-    lagrangian = model.lagrangian(q, v)
-    momentum = ca.gradient(lagrangian, v)
-    bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q)
-    return ca.solve(mass_matrix(model, q, v), model.force(q, v, u) - bias)
 
 
 def box(

@@ -176,17 +176,23 @@ def _weighted_sum(name: str, stages: Stages, state: State, end: Slot, weights: A
 
 
 def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Iterator[Block]:
-    """H (d/dt dL/dv - dL/dq - Q) = 0 at every stage of every interval; p = [step weights, c_i]."""
+    """H (d/dt dL/dv - dL/dq - Q) = 0 at every stage of every interval; p = [step weights, c_i].
+
+    Without a Lagrangian W - H d2q/dt2 = 0.
+    """
     n, n_u, count, phases = stages.n, len(model.inputs.names), stages.grid.intervals, len(stages.grid.phases)
     q, v, w = (ca.SX.sym(k, n) for k in "qvw")
     u = [ca.SX.sym(f"u{j}", n_u) for j in range(len(controls))]
     duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases + 1)
     h, c = ca.dot(p[:phases], duration), p[phases]
-    lagrangian = model.lagrangian(q, v)
-    momentum = ca.gradient(lagrangian, v)
     here = sum((weight * point for weight, point in zip(bernstein(len(u), c), u, strict=True)), ca.SX(0))
-    bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q) - model.force(q, v, here)
-    residual = ca.jtimes(momentum, v, w) + h * bias
+    if model.has_lagrangian:
+        lagrangian = model.lagrangian(q, v)
+        momentum = ca.gradient(lagrangian, v)
+        bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q) - model.force(q, v, here)
+        residual = ca.jtimes(momentum, v, w) + h * bias
+    else:
+        residual = w - h * model.acceleration(q, v, here)
     function = ca.Function(
         "euler_lagrange", [ca.vertcat(q, v, w, *u, duration), p, ca.SX.sym("sigma")], [residual]
     )

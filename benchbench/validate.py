@@ -9,6 +9,7 @@ import re
 import casadi as ca
 import numpy as np
 
+from benchbench import registry
 from benchbench.case import Case
 from benchbench.certificate.bound import AXES, arm_reach, lower_bound
 from benchbench.errors import BadInput, IncompatibleCase
@@ -55,6 +56,14 @@ def _vehicle(case: Case) -> None:
     if missing := [axis for axis in AXES if axis not in model.configuration.names]:
         problem = f"'{case.names['vehicle']}' has no coordinate {missing[0]} and cannot fly this scenario"
         raise IncompatibleCase("vehicle", problem, "a vehicle with the coordinates x, y, z")
+    if case.dynamics.needs_lagrangian and not model.has_lagrangian:
+        problem = f"'{case.names['dynamics']}' needs a Lagrangian, which the vehicle '{case.names['vehicle']}' lacks"
+        able = [
+            p.name
+            for p in registry.installed("dynamics")
+            if p.kind and not getattr(p.kind, "needs_lagrangian", False)
+        ]
+        raise IncompatibleCase("dynamics", problem, ", ".join(able))
     scenario.limits(model)
     scenario.planned_rates(model)
     limits = model.inputs

@@ -13,7 +13,6 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
-from benchbench.model import acceleration
 from benchbench.plan import Array
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant, body_rates, rotation
@@ -105,7 +104,7 @@ def test_tool_equals_mujoco(plant: AerialManipulatorPlant) -> None:
 def test_equals_the_lagrangian(parameters: dict[str, object]) -> None:
     model = AerialManipulator("any", **parameters)
     q, v, u = (ca.SX.sym(name, n) for name, n in (("q", 7), ("v", 7), ("u", 5)))
-    planner = ca.Function("a", [q, v, u], [acceleration(model, q, v, u)])
+    planner = ca.Function("a", [q, v, u], [model.acceleration(q, v, u)])
     states = random_states(20, seed=1)
     theirs = [np.asarray(planner(*state)).ravel() for state in zip(*states, strict=True)]
     np.testing.assert_allclose(model.plant().acceleration(*states), theirs, rtol=1e-9, atol=1e-9)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from benchbench.conformance.checks.require import require
-from benchbench.model import Coordinates, Model, acceleration, mass_matrix
+from benchbench.model import Coordinates, Model, mass_matrix
 from benchbench.plan import Array
 
 WIDE = 2.0
@@ -40,7 +40,7 @@ def symbols(model: Model) -> Symbols:
         ca.Function("energy", [q, v], [energy]),
         ca.Function("mass", [q, v], [mass_matrix(model, q, v)]),
         ca.Function("force", [q, v, u], [model.force(q, v, u)]),
-        ca.Function("acceleration", [q, v, u], [acceleration(model, q, v, u)]),
+        ca.Function("acceleration", [q, v, u], [model.acceleration(q, v, u)]),
         ca.Function("tool", [q, v], [tool, ca.jtimes(tool, q, v)]),
         ca.Function("nose", [q], [model.nose(q)]),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, final
+from typing import ClassVar, Literal, final
 
 import casadi as ca
 from pydantic.dataclasses import dataclass
@@ -24,6 +24,8 @@ class Midpoint(Dynamics):
     """
 
     inputs: Literal["interval", "averaged"] = "interval"
+
+    needs_lagrangian: ClassVar[bool] = True
 
     @property
     def order(self) -> int:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 from pydantic.dataclasses import dataclass
@@ -28,6 +28,8 @@ class Verlet(Dynamics):
     inputs "averaged": f^- = f^+ = h/4 (Q_k + Q_{k+1}), the paper's Eq. 15; alternating inputs are invisible to it.
     velocity "nodal": limits and contacts act on v_k. "mean": on (q_{k+1} - q_k) / h, as the paper.
     """
+
+    needs_lagrangian: ClassVar[bool] = True
 
     inputs: Inputs = "interval"
     velocity: Velocities = "nodal"

@@ -91,9 +91,9 @@ def _terms(program: Program) -> dict[str, ca.MX]:
         "x": x, "p": p, "lam_f": lam_f, "lam_g": lam_g, "f": program.f, "g": program.g,
         "grad_f_x": gradient, "jac_g_x": jacobian,
         "hess_gamma_x_x": hessian, "triu_hess_gamma_x_x": upper, "tril_hess_gamma_x_x": upper.T,
-        "grad_gamma_x": gradient * lam_f + ca.mtimes(jacobian.T, lam_g), "grad_gamma_p": unused,
+        "grad_gamma_x": ca.densify(gradient * lam_f + ca.mtimes(jacobian.T, lam_g)), "grad_gamma_p": unused,
         "fwd_x": forward, "fwd_grad_gamma_p": unused,
-        "fwd_grad_gamma_x": ca.mtimes(hessian, forward),  # multipliers are held in every product
+        "fwd_grad_gamma_x": ca.densify(ca.mtimes(hessian, forward)),  # multipliers are held in every product
         "fwd_p": ca.MX.sym("fwd_p"), "fwd_lam_f": ca.MX.sym("fwd_lam_f"), "fwd_lam_g": ca.MX.sym("fwd_lam_g", m),
         **{name: ca.MX.sym(name, ca.Sparsity(size, 1)) for name, size in  # empty: not depended on
            (("out_f", 1), ("out_g", m), ("out_adj_x", n), ("out_adj_p", 1), ("fwd_out_f", 1), ("fwd_out_g", m))},

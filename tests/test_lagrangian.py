@@ -1,0 +1,62 @@
+"""A model that gives accelerations and no Lagrangian: refused by variational dynamics, planned for by the others."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import casadi as ca
+import pytest
+
+from benchbench import config, pipeline
+from benchbench.case import Case
+from benchbench.errors import IncompatibleCase
+from benchbench.model import Model
+
+
+class Bare(Model):
+    """Another model behind its accelerations only."""
+
+    name = "bare"
+    configuration = velocity = inputs = None  # type: ignore[assignment]
+
+    def __init__(self, whole: Model) -> None:
+        self.whole = whole
+        self.configuration, self.velocity, self.inputs = whole.configuration, whole.velocity, whole.inputs
+
+    def acceleration(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
+        return self.whole.acceleration(q, v, u)
+
+    def force(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
+        raise AssertionError("a force belongs to a Lagrangian")
+
+    def tool(self, q: ca.SX) -> ca.SX:
+        return self.whole.tool(q)
+
+    def nose(self, q: ca.SX) -> ca.SX:
+        return self.whole.nose(q)
+
+    def hover(self) -> Any:
+        return self.whole.hover()
+
+    def plant(self) -> Any:
+        return self.whole.plant()
+
+
+def case(dynamics: str) -> tuple[Case, Case]:
+    """The same small case with the whole model and with the bare one."""
+    whole = config.compose(
+        "+scenario=static", f"dynamics={dynamics}", "scenario.intervals=12", "strategy=phases"
+    )
+    return whole, replace(whole, model=Bare(whole.model))
+
+
+@pytest.mark.parametrize("dynamics", ["verlet", "midpoint"])
+def test_variational_dynamics_refuse_it_and_name_the_alternatives(dynamics: str) -> None:
+    with pytest.raises(IncompatibleCase, match=f"'{dynamics}' needs a Lagrangian.*collocation.*rk4"):
+        pipeline.run(case(dynamics)[1])
+
+
+def test_the_others_find_the_same_plan() -> None:
+    times = [pipeline.run(one).record["travel_time_s"] for one in case("trapezoidal")]
+    assert times[0] == pytest.approx(times[1], abs=1e-4)
