@@ -129,8 +129,9 @@ def _verdict(r: Mapping[str, Any]) -> Text:
         text.append(f"\n- {reason}", style="not bold red")
     if len(r["reasons"]) > REASONS:
         text.append(f"\n- and {len(r['reasons']) - REASONS} more, see the record", style="not bold red")
-    if not r["claimed_success"]:
-        text.append(f"\nadvice: {Status[r['status'].upper()].remedy}", style="not bold")
+    helps = r["advice"] if r["claimed_success"] else Status[r["status"].upper()].remedy
+    if helps:
+        text.append(f"\nadvice: {helps}", style="not bold")
     return text
 
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchbench.certificate.advice import advice
 from benchbench.certificate.replay import Replay
 from benchbench.plan import Array
 
-Record = dict[str, bool | float | tuple[str, ...] | None]
+Record = dict[str, bool | float | str | tuple[str, ...] | None]
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,8 @@ class Certificate:
     def record(self) -> Record:
         """Flat numbers for a table row; what is absent or not finite is None."""
         numbers = {name: _finite(value) for name, value in vars(self.measures).items()}
-        return {"certified": self.certified, "reasons": self.reasons, **numbers}
+        told = advice(check.name for check in self.checks if not check.ok)
+        return {"certified": self.certified, "reasons": self.reasons, "advice": told, **numbers}
 
 
 def at_most(

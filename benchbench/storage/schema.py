@@ -52,6 +52,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("claimed_success", "bool", "", "the solver says it succeeded"),
     Column("certified", "bool", "", "the certificate accepts the plan"),
     Column("reasons", "strings", "", "why the plan is not certified, or why there is none; empty if certified"),
+    Column("advice", "str", "", "what to change so that a rejected plan may be certified; empty if certified"),
     # what was found
     Column("travel_time_s", "float", "s", "travel time t_N of the plan"),
     Column("objective", "float", "", "value of the cost t_N + c_u sum h |u - u_ref|^2"),

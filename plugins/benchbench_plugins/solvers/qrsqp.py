@@ -7,6 +7,7 @@ from typing import Any, final
 
 from pydantic.dataclasses import dataclass
 
+from benchbench.errors import IncompatibleCase
 from benchbench.mpcc import Mpcc
 from benchbench.solver import TOLERANCE, Claim, Prepared, Setup, Solver
 from benchbench_plugins.solvers import casadi_nlp
@@ -24,13 +25,20 @@ CLAIMS: dict[str, Claim] = {
 class Qrsqp(Solver):
     """Line-search SQP with a sparse QR active-set QP (Andersson & Rawlings 2018, IFAC-PapersOnLine 51(20)).
 
-    `options` are those of CasADi's qrsqp.
+    `options` are those of CasADi's qrsqp. Its QP solver refactorises at each change of the active set and
+    hears no time limit: problems with more than `max_unknowns` are refused (2067 unknowns: no iterate in 200 s).
     """
 
+    max_unknowns: int = 1000
     options: dict[str, Any] = field(default_factory=dict)
 
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
-        """Assemble and build."""
+        """Assemble and build. Raises IncompatibleCase for a problem that is too large."""
+        if mpcc.size > self.max_unknowns:
+            problem = f"qrsqp cannot be stopped inside a QP, and this problem has {mpcc.size} unknowns"
+            raise IncompatibleCase(
+                "solver", problem, f"up to solver.max_unknowns={self.max_unknowns}, or ipopt"
+            )
         return casadi_nlp.prepare(
             Backend("qrsqp", CLAIMS, watched=True, timed=False), mpcc, setup, self.native_options(setup)
         )
