@@ -56,7 +56,11 @@ class Residuals:
 
 def residuals(mpcc: Mpcc, x: Array) -> Residuals:
     """Evaluate bounds, constraints and pairs of an MPCC at x (n,); blocks of one name are taken together."""
-    x = np.asarray(x, float)
+    with np.errstate(over="ignore", invalid="ignore"):  # a diverged point has infinite residuals
+        return _residuals(mpcc, np.asarray(x, float))
+
+
+def _residuals(mpcc: Mpcc, x: Array) -> Residuals:
     bounds = _worst(_outside(x, mpcc.lower, mpcc.upper))
     constraints: dict[str, float] = {}
     for block in mpcc.constraints:
