@@ -2,35 +2,25 @@
 
 from __future__ import annotations
 
-import contextlib
-import hashlib
 import os
-import re
 import sys
-import tempfile
-import time
 import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import hydra
 from hydra._internal.utils import get_args_parser
-from hydra.core.hydra_config import HydraConfig
-from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf
+from hydra.core.config_search_path import ConfigSearchPath
+from omegaconf import DictConfig
 
-from benchbench import __version__, commands, config, pipeline, summary
-from benchbench.errors import BadInput, BenchBenchError
-from benchbench.failure import failed, reason
+from benchbench import __version__, commands, config, summary
+from benchbench.errors import BadInput
+from benchbench.execution import BAD_INPUT, CERTIFIED, execute
 from benchbench.hydra_errors import EXPECTED, explained
 from benchbench.overrides import carried
-from benchbench.progress import LiveLine
-from benchbench.storage.files import RECORD, write_record
-from benchbench.storage.schema import Record
-
-CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2
+from benchbench.sweep.job import Job
+from benchbench.sweep.sweep import sweep
 
 
 def start(arguments: Sequence[str]) -> int:
@@ -73,7 +63,7 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
         sys.argv[1:] = [new.get(a, a) for a in arguments]
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach us, we say them in one message
     call = _Call(traced)
-    hydra.main(version_base="1.3", config_path=config.folder(), config_name="config")(call.task)()
+    hydra.main(version_base="1.3", config_path=config.folder(), config_name="config")(call)()
     if len(call.codes) > 1:
         summary.count(call.codes.count(CERTIFIED), len(call.codes))
     return max(call.codes, default=CERTIFIED)
@@ -92,136 +82,23 @@ def _file(error: OSError) -> BadInput:
     return BadInput("output", f"cannot write '{path}': {error.strerror}", "a folder you may write to")
 
 
-@dataclass(frozen=True)
-class _Place:
-    """Where a run stands: its folder, the root of all results, its choices and its columns of the record."""
-
-    folder: Path
-    root: Path
-    chosen: dict[str, str]
-    combination: str
-    labels: dict[str, Any]
-    began: float
-
-    @classmethod
-    def of(cls, cfg: DictConfig) -> _Place:
-        """Read it from Hydra."""
-        run = HydraConfig.get()
-        folder, root = (
-            Path(run.runtime.output_dir).resolve(),
-            Path(run.runtime.cwd, str(cfg.get("output"))).resolve(),
-        )
-        combination = " ".join(run.overrides.task) if run.mode == RunMode.MULTIRUN else ""
-        labels = {"run_id": _run_id(folder, root), "config_hash": config_hash(cfg)}
-        return cls(folder, root, dict(run.runtime.choices), combination, labels, time.time())
-
-    @property
-    def stored(self) -> bool:
-        """The record of this run, and not of an earlier one in the same folder, is there."""
-        record = self.folder / RECORD
-        return record.is_file() and record.stat().st_mtime >= self.began
-
-    @property
-    def sweep(self) -> bool:
-        """One of several combinations."""
-        return bool(self.combination)
-
-
 @dataclass
 class _Call:
-    """The combinations of one call and how they ended, as exit codes."""
+    """The runs of one call and how they ended, as exit codes; Hydra calls it for a single run."""
 
     traced: bool
     codes: list[int] = field(default_factory=list)
 
-    def task(self, cfg: DictConfig) -> None:
-        """Run one combination, whatever becomes of it; a bad one does not stop the others."""
-        place = None
-        try:
-            place = _Place.of(cfg)
-            done, paths = _run(cfg, place)
-        except Exception as error:  # noqa: BLE001  # every way to end gets its message and its record
-            self.codes.append(self._ended(error, cfg, place))
-            return
-        self.codes.append(CERTIFIED if done.certificate.certified else NOT_CERTIFIED)
-        if place.sweep:
-            summary.show_line(len(self.codes), done.record, place.combination)
-        else:
-            summary.show(done.record, paths)
+    def __call__(self, cfg: DictConfig) -> None:
+        """Run the one configuration there is."""
+        ended = execute(cfg)
+        self.codes.append(ended.code)
+        for complaint in ended.complaints:
+            summary.complain(complaint.kind, complaint.text, complaint.trace if self.traced else "")
+        if ended.record is not None and not ended.complaints:
+            summary.show(ended.record, ended.paths)
 
-    def _ended(self, error: Exception, cfg: DictConfig, place: _Place | None) -> int:
-        """Say what ended a run; a row tells of it, unless it is a single run that never began."""
-        expected = isinstance(error, EXPECTED)
-        told = explained(error) if expected else error
-        self._say(error, told, place)
-        if place is None or place.stored:  # stored: only the recording or the picture is missing
-            return BAD_INPUT if expected else NOT_CERTIFIED
-        if place.sweep or not expected:
-            try:
-                _store(failed(told, place.chosen, place.labels | _sizes(cfg)), place)
-            except BenchBenchError as refused:
-                summary.complain("bad input", str(refused))
-                return BAD_INPUT
-        else:
-            with contextlib.suppress(OSError):
-                place.folder.rmdir()  # Hydra made it for nothing; only an empty one goes
-        return BAD_INPUT if expected else NOT_CERTIFIED
-
-    def _say(self, error: Exception, told: Exception, place: _Place | None) -> None:
-        if self.traced:
-            traceback.print_exception(error)
-        kind, advice = "bad input", ""
-        if not isinstance(told, BenchBenchError):
-            kind = "the run stopped with an error"
-            advice = "\n--traceback shows where; if no wrong input is named, please report it"
-        where = f" (run {len(self.codes) + 1}: {place.combination})" if place and place.sweep else ""
-        summary.complain(kind + where, reason(told) + advice)
-
-
-def _run(cfg: DictConfig, place: _Place) -> tuple[pipeline.Run, dict[str, Path]]:
-    case = config.build(cfg, place.chosen)
-    _check_writable(place.root)
-    with LiveLine() as line:
-        done = pipeline.run(case, line, place.labels)
-        line.stage("files", None)
-        return done, pipeline.write(done, place.folder, place.root, OmegaConf.to_yaml(cfg, resolve=True))
-
-
-def _store(record: Record, place: _Place) -> None:
-    from benchbench.storage.table import append  # pandas takes half a second to import
-
-    write_record(place.folder, record)
-    append(record, place.root)
-
-
-def _check_writable(root: Path) -> None:
-    """Raise BadInput before anything is computed for nothing; Hydra has made the run's own folder already."""
-    from benchbench.storage.table import folder
-
-    try:
-        folder(root).mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder(root)):
-            pass
-    except OSError as error:
-        problem = f"cannot write into '{folder(root)}': {error.strerror}"
-        raise BadInput("output", problem, "a folder you may write to") from None
-
-
-def config_hash(cfg: DictConfig) -> str:
-    """Hash of everything that decides the result of a run: the composed config without the output folder."""
-    decisive = {str(k): v for k, v in OmegaConf.to_container(cfg, resolve=True).items() if k != "output"}  # type: ignore[union-attr]
-    text = OmegaConf.to_yaml(OmegaConf.create(decisive), sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def _run_id(folder: Path, root: Path) -> str:
-    """Name of a run from its folder, usable as a file name."""
-    near = folder.relative_to(root) if folder.is_relative_to(root) else folder
-    return re.sub(r"[^\w.+=-]+", "-", "_".join(near.parts[-4:])).lstrip("-.") or "run"
-
-
-def _sizes(cfg: DictConfig) -> dict[str, int]:
-    """What a row can say of a case that was never made."""
-    found = {key: OmegaConf.select(cfg, f"scenario.{key}") for key in ("intervals", "kappa_init")}
-    found["seed"] = cfg.get("seed")
-    return {key: value for key, value in found.items() if type(value) is int}
+    def sweep(self, jobs: Sequence[Job], search_path: ConfigSearchPath) -> list[int]:
+        """Run all combinations, each in a process of its own; called by our Hydra launcher."""
+        self.codes += sweep(jobs, search_path, self.traced)
+        return self.codes[-len(jobs) :]

@@ -20,6 +20,7 @@ from hydra.plugins.search_path_plugin import SearchPathPlugin
 from omegaconf import DictConfig, ListConfig, OmegaConf, open_dict
 from pydantic import ValidationError
 
+from benchbench import settings
 from benchbench.case import Case
 from benchbench.certificate.limits import Limits
 from benchbench.dynamics import Dynamics
@@ -40,7 +41,7 @@ FAMILIES = tuple(family for family in KINDS if family != "scenario")
 NUMBERS = {"seed": (int, 0), "time_limit": (float, 1e-3), "iteration_limit": (int, 1)}
 """Numbers of a run with their type and smallest value."""
 WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
-FIELDS = (*KINDS, *NUMBERS, *WORDS, "output")
+FIELDS = (*KINDS, *NUMBERS, *WORDS, "output", *settings.NAMES)
 
 
 class ThirdPartyConfig(SearchPathPlugin):
@@ -138,6 +139,7 @@ def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:
             raise BadInput(key, f"{cfg.get(key)!r} was given", ", ".join(allowed_words))
     if cfg.get("output") in (None, ""):
         raise BadInput("output", f"{cfg.get('output')!r} was given", "the path of a folder")
+    settings.Settings.of(cfg)
 
 
 def _check_margins(scenario: Mapping[str, Any]) -> None:

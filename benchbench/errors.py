@@ -34,6 +34,18 @@ class Unavailable(BenchBenchError):
     """An optional backend is not installed or has no licence; the message names the remedy."""
 
 
+class Timeout(BenchBenchError):
+    """A run was killed at its wall-clock limit."""
+
+
+class Crash(BenchBenchError):
+    """The process of a run died; the message names the signal or exit code."""
+
+
+class OutOfMemory(BenchBenchError):
+    """The process of a run died of its memory limit."""
+
+
 def unknown_choice(field: str, value: str, available: Iterable[str]) -> BadInput:
     """Return the error for a misspelt plugin or scenario name, listing what exists."""
     return BadInput(field, f"'{value}' does not exist", ", ".join(sorted(available)))

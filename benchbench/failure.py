@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from benchbench.errors import BenchBenchError, IncompatibleCase, Unavailable
+from benchbench.errors import BenchBenchError, Crash, IncompatibleCase, OutOfMemory, Timeout, Unavailable
 from benchbench.storage import provenance
 from benchbench.storage.schema import Record, Status, make_record
 
@@ -18,10 +18,11 @@ def failed(error: BaseException, chosen: Mapping[str, Any], labels: Mapping[str,
     chosen: names of the choices by family; labels: other columns that are known by now.
     """
     names = {family: chosen[family] for family in CHOICES if family in chosen}
-    return make_record(
-        **provenance.collect(), **names, **labels, status=status(error), reasons=[reason(error)],
-        claimed_success=False, certified=False, peak_memory_mb=provenance.peak_memory_mb(),
-    )  # fmt: skip
+    known = {
+        **provenance.collect(), **names, "status": status(error), "reasons": [reason(error)],
+        "claimed_success": False, "certified": False, "peak_memory_mb": provenance.peak_memory_mb(),
+    }  # fmt: skip
+    return make_record(**{**known, **labels})
 
 
 def status(error: BaseException) -> Status:
@@ -31,7 +32,11 @@ def status(error: BaseException) -> Status:
             return Status.INCOMPATIBLE
         case Unavailable():
             return Status.UNAVAILABLE
-        case MemoryError():
+        case Timeout():
+            return Status.TIMEOUT
+        case Crash():
+            return Status.CRASH
+        case MemoryError() | OutOfMemory():
             return Status.OUT_OF_MEMORY
     return Status.ERROR
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from os.path import commonpath
 from pathlib import Path
@@ -80,8 +81,9 @@ def count(certified: int, runs: int) -> None:
     Console(highlight=False).print(f"{certified} of {runs} runs certified")
 
 
-def complain(kind: str, text: str) -> None:
-    """Print one message on stderr."""
+def complain(kind: str, text: str, trace: str = "") -> None:
+    """Print one message on stderr, below the traceback that led to it, if one is given."""
+    sys.stderr.write(trace)
     console = Console(stderr=True, highlight=False)
     console.print(Text("benchbench: ") + Text(kind, "bold red"), soft_wrap=True)
     for line in text.splitlines():

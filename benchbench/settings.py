@@ -1,0 +1,52 @@
+"""How runs are carried out: fields of the configuration that do not change what a run computes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Literal, Self, get_args
+
+from omegaconf import DictConfig
+
+from benchbench.errors import BadInput
+from benchbench.storage.provenance import usable_cpus
+
+Rerun = Literal["missing", "failed", "all"]
+_LOWEST = {"workers": 1, "hard_limit": 0.1, "memory_limit_mb": 1}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The fields of conf/config.yaml of the same names, with their defaults filled in."""
+
+    workers: int
+    rerun: Rerun
+    hard_limit: float
+    """Wall seconds after which a run of a sweep is killed."""
+    memory_limit_mb: float | None
+    """Private memory that a run of a sweep may use, in MB (10^6 bytes)."""
+
+    @classmethod
+    def of(cls, cfg: DictConfig) -> Self:
+        """Read and check them; raises BadInput."""
+        for name, low in _LOWEST.items():
+            _check(name, cfg.get(name), low)
+        if cfg.get("rerun", "missing") not in get_args(Rerun):
+            raise BadInput("rerun", f"{cfg.get('rerun')!r} was given", ", ".join(get_args(Rerun)))
+        return cls(
+            workers=cfg.get("workers") or usable_cpus() or 1,
+            rerun=cfg.get("rerun", "missing"),
+            hard_limit=cfg.get("hard_limit") or 3.0 * cfg.time_limit + 60.0,
+            memory_limit_mb=cfg.get("memory_limit_mb"),
+        )
+
+
+NAMES = tuple(field.name for field in fields(Settings))
+
+
+def _check(name: str, value: object, low: float) -> None:
+    kinds = (int,) if name == "workers" else (int, float)
+    fits = isinstance(value, kinds) and not isinstance(value, bool) and math.isfinite(value)
+    if value is not None and not (fits and low <= value):  # type: ignore[operator]
+        kind = "whole number" if name == "workers" else "number"
+        raise BadInput(name, f"{value!r} was given", f"a {kind} of at least {low:g}, or null")

@@ -1,0 +1,57 @@
+"""What a sweep shows while it runs: a line per run, and on a terminal a bar below them."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from types import TracebackType
+from typing import Self, final
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from benchbench import summary
+from benchbench.execution import Ended
+from benchbench.sweep.job import Job
+
+
+@final
+class Display:
+    """A context that shows the ends of runs."""
+
+    def __init__(self, runs: int, traced: bool) -> None:
+        console = Console(stderr=True)
+        self._traced, self._failures, self._certified = traced, Counter[str](), 0
+        self._bar = Progress(
+            BarColumn(20), MofNCompleteColumn(), TextColumn("{task.description}", markup=False),
+            TimeRemainingColumn(), console=console, transient=True, redirect_stdout=sys.stdout.isatty(),
+        )  # fmt: skip
+        self._task = self._bar.add_task("runs", total=runs)
+        self._seen = console.is_terminal
+
+    def __enter__(self) -> Self:
+        """Start showing."""
+        if self._seen:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Remove the bar."""
+        if self._seen:
+            self._bar.stop()
+
+    def ended(self, job: Job, end: Ended) -> None:
+        """Show how a run ended."""
+        for complaint in end.complaints:
+            where = f"{complaint.kind} (run {job.number}: {job.describe()})"
+            summary.complain(where, complaint.text, complaint.trace if self._traced else "")
+        if end.record is not None and not end.complaints:
+            summary.show_line(job.number, end.record, job.describe())
+        status = str(end.record["status"]) if end.record else "bad input"
+        self._certified += status == "certified"
+        self._failures[status] += status != "certified"
+        counts = ", ".join(f"{count} {name}" for name, count in self._failures.most_common() if count)
+        text = f"{self._certified} certified" + (f", {counts}" if counts else "")
+        self._bar.update(self._task, advance=1, description=text)

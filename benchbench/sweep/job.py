@@ -1,0 +1,45 @@
+"""One combination of a sweep, ready to be sent to a worker."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from hydra.core.hydra_config import HydraConfig
+from omegaconf import DictConfig, OmegaConf, open_dict, read_write
+
+from benchbench.execution import Place
+from benchbench.settings import Settings
+
+
+@dataclass(frozen=True)
+class Job:
+    """A composed configuration with Hydra's own part; `number` counts from 1."""
+
+    number: int
+    config: DictConfig
+
+    @property
+    def case(self) -> DictConfig:
+        """The configuration without Hydra's part."""
+        case = self.config.copy()
+        with read_write(case), open_dict(case):
+            del case["hydra"]
+        return case
+
+    def place(self) -> Place:
+        """Where the run stands. Raises one of `hydra_errors.EXPECTED` for a value that cannot be resolved."""
+        HydraConfig.instance().set_config(self.config)
+        sweep = self.config.hydra.sweep
+        with read_write(self.config.hydra.runtime), open_dict(self.config.hydra.runtime):
+            self.config.hydra.runtime.output_dir = str(Path(str(sweep.dir), str(sweep.subdir)).absolute())
+        HydraConfig.instance().set_config(self.config)
+        return Place.of(self.case)
+
+    def settings(self) -> Settings:
+        """How it is carried out. Raises BadInput."""
+        return Settings.of(self.case)
+
+    def describe(self) -> str:
+        """The overrides that make this combination."""
+        return " ".join(OmegaConf.to_container(self.config.hydra.overrides.task))  # type: ignore[arg-type]

@@ -1,0 +1,57 @@
+"""A sweep: skip what the table has, run the rest in worker processes, give every run its row."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from hydra.core.config_search_path import ConfigSearchPath
+from rich.console import Console
+
+from benchbench.execution import CERTIFIED, NOT_CERTIFIED, Ended, failure
+from benchbench.hydra_errors import EXPECTED
+from benchbench.sweep.display import Display
+from benchbench.sweep.job import Job
+from benchbench.sweep.pool import Task, run_all
+from benchbench.sweep.resume import earlier
+
+
+def sweep(jobs: Sequence[Job], search_path: ConfigSearchPath, traced: bool = False) -> list[int]:
+    """Run all jobs and return their exit codes, in order; a skipped one has that of its earlier run.
+
+    search_path: Hydra's, for the workers; traced: show where errors came from.
+    """
+    codes: dict[int, int] = {}
+    unfit: list[tuple[Job, Ended]] = []
+    tasks: list[Task] = []
+    known: dict[tuple[Path, str], dict[str, bool]] = {}
+    for job in jobs:
+        place = None
+        try:
+            place = job.place()
+            settings = job.settings()
+        except EXPECTED as error:
+            unfit.append((job, failure(error, job.case, place)))
+            continue
+        asked = (place.root, settings.rerun)
+        if asked not in known:
+            known[asked] = earlier(place.root, settings.rerun)
+        label = place.labels["config_hash"]
+        if label in known[asked]:
+            codes[job.number] = CERTIFIED if known[asked][label] else NOT_CERTIFIED
+        else:
+            tasks.append((job, place, settings))
+    if codes:
+        note = f"{len(codes)} of {len(jobs)} runs are in the table and are skipped; rerun=all runs them again"
+        Console(highlight=False).print(note, soft_wrap=True)
+    with Display(len(tasks) + len(unfit), traced) as display:
+        for job, end in unfit:
+            display.ended(job, end)
+            codes[job.number] = end.code
+        if tasks:
+            workers = max(settings.workers for _, _, settings in tasks)
+            for (job, place, settings), told in run_all(tasks, workers, search_path):
+                end = told if isinstance(told, Ended) else failure(told, job.case, place, peak_memory_mb=None)
+                display.ended(job, end)
+                codes[job.number] = end.code
+    return [codes[job.number] for job in jobs]

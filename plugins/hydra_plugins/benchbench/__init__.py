@@ -1,0 +1,51 @@
+"""Hydra's way into our sweeps; Hydra takes launchers only from the namespace package `hydra_plugins`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from hydra.core.config_store import ConfigStore
+from hydra.core.utils import JobReturn, JobStatus, configure_log, setup_globals
+from hydra.plugins.launcher import Launcher
+from hydra.types import HydraContext, TaskFunction
+from omegaconf import DictConfig, open_dict
+
+ConfigStore.instance().store(
+    group="hydra/launcher",
+    name="isolated",
+    node={"_target_": "hydra_plugins.benchbench.IsolatedLauncher"},
+    provider="benchbench",
+)
+
+
+class IsolatedLauncher(Launcher):
+    """Composes every combination and hands them to the `sweep` of the task function."""
+
+    def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
+        """Keep what Hydra gives."""
+        self._context, self._config, self._task = hydra_context, config, task_function
+
+    def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> list[JobReturn]:
+        """Run one job for each list of overrides. Raises TypeError for a task function that cannot sweep."""
+        from benchbench.sweep.job import Job
+
+        sweep: Any = getattr(self._task, "sweep", None)
+        if sweep is None:
+            raise TypeError("hydra/launcher=isolated is for benchbench only; use hydra/launcher=basic")
+        setup_globals()
+        configure_log(self._config.hydra.hydra_logging, self._config.hydra.verbose)
+        Path(str(self._config.hydra.sweep.dir)).mkdir(parents=True, exist_ok=True)
+        loader = self._context.config_loader
+        jobs = []
+        for number, overrides in enumerate(job_overrides, initial_job_idx):
+            composed = loader.load_sweep_config(self._config, list(overrides))
+            with open_dict(composed):
+                composed.hydra.job.id = composed.hydra.job.num = number
+            jobs.append(Job(number + 1, composed))
+        codes = sweep(jobs, loader.get_search_path())
+        return [
+            JobReturn(overrides=list(overrides), status=JobStatus.COMPLETED, _return_value=code)
+            for overrides, code in zip(job_overrides, codes, strict=True)
+        ]
