@@ -45,7 +45,7 @@ class _Process(context.SpawnProcess):
 class _Context(context.SpawnContext):
     """Fresh interpreters whose parent is this process: they inherit no threads and end with it."""
 
-    Process = _Process  # type: ignore[assignment]
+    Process = _Process
 
 
 Task = tuple[Job, Place, Settings]
@@ -82,9 +82,9 @@ def _one_pool(
                 return
             waiting[future] = number, (job, place, settings)
         while waiting and pool.active:
-            for future in wait(waiting, POLL_S, FIRST_COMPLETED).done:
-                number, task = waiting.pop(future)
-                end = _end(future, task)
+            for done in wait(waiting, POLL_S, FIRST_COMPLETED).done:
+                number, task = waiting.pop(done)
+                end = _end(done, task)
                 if not isinstance(end, BrokenProcessPool):
                     yield number, end
 
@@ -107,7 +107,7 @@ def _pool(workers: int, search_path: ConfigSearchPath) -> Iterator[ProcessPool]:
     try:
         yield pool
     finally:
-        pool.stop()
+        pool.stop()  # type: ignore[no-untyped-call]
         pool.join()
 
 

@@ -50,7 +50,7 @@ def sweep(jobs: Sequence[Job], search_path: ConfigSearchPath, traced: bool = Fal
             codes[job.number] = end.code
         if tasks:
             workers = max(settings.workers for _, _, settings in tasks)
-            for (job, place, settings), told in run_all(tasks, workers, search_path):
+            for (job, place, _), told in run_all(tasks, workers, search_path):
                 end = told if isinstance(told, Ended) else failure(told, job.case, place, peak_memory_mb=None)
                 display.ended(job, end)
                 codes[job.number] = end.code

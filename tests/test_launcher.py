@@ -1,0 +1,128 @@
+"""Sweeps as a user runs them: whatever a run does costs one typed row, and nothing is run twice or left behind."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from test_program import program, records
+
+from benchbench.storage.table import read
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for processes and their signals")
+
+HERE = str(Path(__file__).parent)
+QUICK = ("strategy=phases", "scenario.intervals=12")
+BAD = ("~strategy", "+strategy._target_=bad_runs.Bad", "scenario.intervals=12")
+SWEEP = ("-m", "+scenario=static,linear,circle", "scenario.kappa_init=2,3", *QUICK)
+
+
+def path_with_bad_runs() -> str:
+    return os.pathsep.join(filter(None, [HERE, os.environ.get("PYTHONPATH", "")]))
+
+
+def processes_in(folder: Path) -> list[int]:
+    """Processes whose working directory is the folder; workers inherit it."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        try:
+            if entry.name.isdecimal() and (entry / "cwd").resolve() == folder.resolve():
+                state = (entry / "stat").read_text().rpartition(")")[2].split()[0]
+                found += [int(entry.name)] if state != "Z" else []
+        except OSError:
+            continue
+    return found
+
+
+def assert_nothing_left(folder: Path) -> None:
+    """Killed processes take a moment to go."""
+    limit = time.monotonic() + 20.0
+    while processes_in(folder) and time.monotonic() < limit:
+        time.sleep(0.05)
+    assert processes_in(folder) == []
+
+
+def test_every_bad_end_costs_one_typed_row(tmp_path: Path) -> None:
+    ways = "segfault,exit,spin,native,memory,raise,fine"
+    done = program(
+        tmp_path, "-m", "+scenario=static", *BAD, f"+strategy.how={ways}", "hard_limit=15", "memory_limit_mb=3000",
+        PYTHONPATH=path_with_bad_runs(),
+    )  # fmt: skip
+    assert done.returncode == 1, done.stderr
+    found = {Path(r["run_id"]).name.rpartition("_")[2]: r for r in records(tmp_path)}
+    assert [found[str(i)]["status"] for i in range(7)] == [
+        "crash", "crash", "timeout", "timeout", "out_of_memory", "error", "uncertified",
+    ]  # fmt: skip
+    assert "SIGSEGV" in found["0"]["reasons"][0]
+    assert "exit code 7" in found["1"]["reasons"][0]
+    assert "limit of 15 s" in found["2"]["reasons"][0]
+    assert found["5"]["reasons"] == ["RuntimeError: out of cheese"]
+    assert len(read(tmp_path / "results")) == 7
+    assert done.stdout.splitlines()[-1] == "0 of 7 runs certified"
+    assert_nothing_left(tmp_path)
+
+
+def test_same_sweep_again_runs_only_what_is_missing(tmp_path: Path) -> None:
+    sweep = ("-m", "+scenario=static", *BAD, "workers=1")
+    first = program(tmp_path, *sweep, "+strategy.how=exit,fine", PYTHONPATH=path_with_bad_runs())
+    assert first.returncode == 1
+    more = (*sweep, "+strategy.how=exit,fine,raise", "hard_limit=100", "output=./results")
+    again = program(tmp_path, *more, PYTHONPATH=path_with_bad_runs())
+    assert "2 of 3 runs are in the table and are skipped" in again.stdout
+    assert sorted(read(tmp_path / "results")["status"]) == ["crash", "error", "uncertified"]
+    failed = program(tmp_path, *more, "rerun=failed", PYTHONPATH=path_with_bad_runs())
+    assert "1 of 3 runs are in the table and are skipped" in failed.stdout
+    assert len(read(tmp_path / "results")) == 5
+    program(tmp_path, *more, "rerun=all", PYTHONPATH=path_with_bad_runs())
+    assert len(read(tmp_path / "results")) == 8
+
+
+@pytest.mark.parametrize(("field", "value"), [("workers", "0"), ("rerun", "some"), ("hard_limit", "-1")])
+def test_settings_are_checked(tmp_path: Path, field: str, value: str) -> None:
+    done = program(tmp_path, "+scenario=static", f"{field}={value}")
+    assert done.returncode == 2
+    assert f"  {field}: " in done.stderr
+
+
+def answers(root: Path) -> pd.DataFrame:
+    """The table without what names or times a run."""
+    rows = read(root).sort_values("config_hash", ignore_index=True)
+    same = [
+        c
+        for c in rows
+        if c not in ("run_id", "started_at", "peak_memory_mb") and not c.endswith(("cpu_s", "wall_s"))
+    ]
+    return rows[same]
+
+
+def kill_and_resume(folder: Path, kills: int, longest: float, seed: int) -> None:
+    """Start the sweep, kill its parent with SIGKILL at a random moment, `kills` times, then let it end."""
+    moments = random.Random(seed)
+    for _ in range(kills):
+        process = subprocess.Popen(
+            [sys.executable, "-m", "benchbench", *SWEEP], cwd=folder,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={**os.environ, "OMP_NUM_THREADS": "1"},
+        )  # fmt: skip
+        time.sleep(moments.uniform(0.5, longest))
+        process.send_signal(signal.SIGKILL)
+        process.wait()
+        assert_nothing_left(folder)
+    done = program(folder, *SWEEP)
+    assert done.returncode == 1, done.stderr
+
+
+def test_kill_of_the_parent_loses_only_what_was_running(tmp_path: Path) -> None:
+    calm, rough = tmp_path / "calm", tmp_path / "rough"
+    calm.mkdir(), rough.mkdir()
+    began = time.monotonic()
+    program(calm, *SWEEP)
+    kill_and_resume(rough, 3, time.monotonic() - began, seed=0)
+    pd.testing.assert_frame_equal(answers(rough / "results"), answers(calm / "results"))
+    assert len(answers(rough / "results")) == 6
