@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from test_program import program, records
+from test_program import listen, on_terminal, program, records
 
 from benchbench.storage.table import read
 
@@ -22,6 +22,7 @@ HERE = str(Path(__file__).parent)
 QUICK = ("strategy=phases", "scenario.intervals=12")
 BAD = ("~strategy", "+strategy._target_=bad_runs.Bad", "scenario.intervals=12")
 SWEEP = ("-m", "+scenario=static,linear,circle", "scenario.kappa_init=2,3", *QUICK)
+RUNS = 6
 
 
 def path_with_bad_runs() -> str:
@@ -102,20 +103,25 @@ def answers(root: Path) -> pd.DataFrame:
     return rows[same]
 
 
-def kill_and_resume(folder: Path, kills: int, longest: float, seed: int) -> None:
-    """Start the sweep, kill its parent with SIGKILL at a random moment, `kills` times, then let it end."""
-    moments = random.Random(seed)
+def kill_and_resume(folder: Path, kills: int, whole: float, seed: int) -> list[int]:
+    """Start the sweep, kill its parent with SIGKILL at a random moment, `kills` times, then let it end.
+
+    whole: seconds that the undisturbed sweep took. Returns how many of the runs had their row at each kill.
+    """
+    moments, rows = random.Random(seed), []
     for _ in range(kills):
         process = subprocess.Popen(
             [sys.executable, "-m", "benchbench", *SWEEP], cwd=folder,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={**os.environ, "OMP_NUM_THREADS": "1"},
         )  # fmt: skip
-        time.sleep(moments.uniform(0.5, longest))
+        time.sleep(moments.uniform(0.25, 0.75) * whole)
         process.send_signal(signal.SIGKILL)
         process.wait()
+        rows.append(len(read(folder / "results")))
         assert_nothing_left(folder)
     done = program(folder, *SWEEP)
     assert done.returncode == 1, done.stderr
+    return rows
 
 
 def test_kill_of_the_parent_loses_only_what_was_running(tmp_path: Path) -> None:
@@ -123,6 +129,23 @@ def test_kill_of_the_parent_loses_only_what_was_running(tmp_path: Path) -> None:
     calm.mkdir(), rough.mkdir()
     began = time.monotonic()
     program(calm, *SWEEP)
-    kill_and_resume(rough, 3, time.monotonic() - began, seed=0)
+    rows = kill_and_resume(rough, 3, time.monotonic() - began, seed=0)
+    assert rows[0] < RUNS  # the kill met a sweep at work
     pd.testing.assert_frame_equal(answers(rough / "results"), answers(calm / "results"))
-    assert len(answers(rough / "results")) == 6
+    assert len(answers(rough / "results")) == RUNS
+
+
+def test_ctrl_c_ends_the_sweep_and_its_workers(tmp_path: Path) -> None:
+    sweep = ("-m", "+scenario=static,circle", *BAD, "+strategy.how=spin")
+    with on_terminal(tmp_path, *sweep, PYTHONPATH=path_with_bad_runs()) as (process, terminal):
+        heard = listen(terminal, "0/2")
+        limit = time.monotonic() + 60.0
+        while len(list(tmp_path.rglob("overrides.yaml"))) < 2 and time.monotonic() < limit:
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        heard += listen(terminal)
+        assert process.wait() == 130
+    assert heard.rstrip().endswith("the running one is not")
+    assert "Traceback" not in heard
+    assert records(tmp_path) == []
+    assert_nothing_left(tmp_path)

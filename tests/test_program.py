@@ -256,7 +256,9 @@ def test_unknown_choice_in_a_sweep_is_refused_before_the_first_run(tmp_path: Pat
 
 
 @contextmanager
-def on_terminal(folder: Path, *arguments: str) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
+def on_terminal(
+    folder: Path, *arguments: str, **environment: str
+) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
     """The program with both outputs on a pseudo-terminal of 80 columns; gives the process and our end."""
     import fcntl
     import pty
@@ -267,7 +269,7 @@ def on_terminal(folder: Path, *arguments: str) -> Iterator[tuple[subprocess.Pope
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     process = subprocess.Popen(
         [*COMMAND, *arguments], cwd=folder, stdin=theirs, stdout=theirs, stderr=theirs,
-        env={**os.environ, "OMP_NUM_THREADS": "1", "TERM": "xterm", "NO_COLOR": "1"},
+        env={**os.environ, "OMP_NUM_THREADS": "1", "TERM": "xterm", "NO_COLOR": "1", **environment},
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
     os.close(theirs)
