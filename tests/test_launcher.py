@@ -106,6 +106,8 @@ def answers(root: Path) -> pd.DataFrame:
 def kill_and_resume(folder: Path, kills: int, whole: float, seed: int) -> list[int]:
     """Start the sweep, kill its parent with SIGKILL at a random moment, `kills` times, then let it end.
 
+    A sweep that is faster than the undisturbed one was is killed before its last row.
+
     whole: seconds that the undisturbed sweep took. Returns how many of the runs had their row at each kill.
     """
     moments, rows = random.Random(seed), []
@@ -114,7 +116,11 @@ def kill_and_resume(folder: Path, kills: int, whole: float, seed: int) -> list[i
             [sys.executable, "-m", "benchbench", *SWEEP], cwd=folder,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={**os.environ, "OMP_NUM_THREADS": "1"},
         )  # fmt: skip
-        time.sleep(moments.uniform(0.25, 0.75) * whole)
+        table = folder / "results" / "table"
+        enough = min(RUNS - 1, max(RUNS - 2, len(list(table.glob("*.parquet"))) + 1))
+        moment = time.monotonic() + moments.uniform(0.25, 0.75) * whole
+        while time.monotonic() < moment and len(list(table.glob("*.parquet"))) < enough:
+            time.sleep(0.01)
         process.send_signal(signal.SIGKILL)
         process.wait()
         rows.append(len(read(folder / "results")))
