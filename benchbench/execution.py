@@ -146,9 +146,10 @@ def _complaint(error: Exception, told: Exception) -> Complaint:
 
 def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
     case = config.build(cfg, place.chosen)
+    repeats = settings.Settings.of(cfg).repeats
     _check_writable(place.root)
     with LiveLine() as line:
-        done = pipeline.run(case, line, place.labels)
+        done = pipeline.run(case, line, place.labels, repeats)
         line.stage("files", None)
         return done, pipeline.write(done, place.folder, place.root, OmegaConf.to_yaml(cfg, resolve=True))
 

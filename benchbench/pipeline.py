@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 from benchbench.case import Case, Ledger, Watch
@@ -37,13 +38,20 @@ class Run:
     record: dict[str, Any]
 
 
-def run(case: Case, watch: Watch | None = None, labels: Mapping[str, Any] | None = None) -> Run:
-    """Plan, judge, record; raises BadInput for a case that cannot work. `labels` are ready record columns."""
+def run(
+    case: Case, watch: Watch | None = None, labels: Mapping[str, Any] | None = None, repeats: int = 1
+) -> Run:
+    """Plan, judge, record; raises BadInput for a case that cannot work.
+
+    labels: ready columns of the record; repeats: solves to time. The plan is always the first solve's; with
+    more than one repeat that one is the warm-up and is not among the timed ones.
+    """
     before = provenance.collect()
     began = time.perf_counter()
     validate(case)
     ledger = Ledger(case.time_limit, watch)
     result = case.strategy.solve(case, ledger)
+    timed = [_again(case, watch) for _ in range(repeats)] if repeats > 1 else [ledger]
     if watch:
         watch.stage("certificate", None)
     judged = time.process_time()
@@ -52,7 +60,11 @@ def run(case: Case, watch: Watch | None = None, labels: Mapping[str, Any] | None
     bound = lower_bound(case.scenario, case.model, case.model.plant())
     costs = {"certificate_cpu_s": time.process_time() - judged, "wall_s": time.perf_counter() - began}
     record = _record(
-        case, result, certificate, ledger, {**before, **costs, "lower_bound_s": bound, **(labels or {})}
+        case,
+        result,
+        certificate,
+        ledger,
+        {**before, **costs, **_spread(timed), "lower_bound_s": bound, **(labels or {})},
     )
     return Run(case, result, certificate, record)
 
@@ -79,6 +91,23 @@ def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
     verdict = "certified" if done.certificate.certified else f"NOT certified: {done.certificate.reasons[0]}"
     draw(paths["picture"], plan, case.scenario, case.model, flight, title, verdict)
     return paths
+
+
+def _again(case: Case, watch: Watch | None) -> Ledger:
+    ledger = Ledger(case.time_limit, watch)
+    case.strategy.solve(case, ledger)
+    return ledger
+
+
+def _spread(timed: Sequence[Ledger]) -> dict[str, Any]:
+    solves = [ledger.solve_cpu for ledger in timed]
+    return {
+        "repeats": len(timed),
+        "build_cpu_median_s": median(ledger.build_cpu for ledger in timed),
+        "solve_cpu_median_s": median(solves),
+        "solve_cpu_low_s": min(solves),
+        "solve_cpu_high_s": max(solves),
+    }
 
 
 def _record(

@@ -85,7 +85,25 @@ def test_same_sweep_again_runs_only_what_is_missing(tmp_path: Path) -> None:
     assert len(read(tmp_path / "results")) == 8
 
 
-@pytest.mark.parametrize(("field", "value"), [("workers", "0"), ("rerun", "some"), ("hard_limit", "-1")])
+def test_repeats_are_timed_and_asked_for_again(tmp_path: Path) -> None:
+    sweep = ("-m", "+scenario=static", "relaxation=scholtes,none", "scenario.intervals=12")
+    assert program(tmp_path, *sweep).returncode == 2
+    assert program(tmp_path, *sweep, "repeats=3").returncode == 2
+    again = program(tmp_path, *sweep, "repeats=2")
+    assert "2 of 2 runs are in the table and are skipped" in again.stdout
+    assert again.returncode == 2  # as when it was refused
+    rows = read(tmp_path / "results").dropna(subset="repeats").sort_values("repeats")
+    assert list(rows["repeats"]) == [1, 3]  # the refused run has none
+    once, thrice = rows.to_dict("records")
+    assert once["solve_cpu_low_s"] == once["solve_cpu_high_s"] == once["solve_cpu_s"]
+    assert thrice["solve_cpu_low_s"] <= thrice["solve_cpu_median_s"] <= thrice["solve_cpu_high_s"]
+    assert once["travel_time_s"] == thrice["travel_time_s"]
+    assert once["iterations"] == thrice["iterations"]
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("workers", "0"), ("repeats", "0"), ("rerun", "some"), ("hard_limit", "-1")]
+)
 def test_settings_are_checked(tmp_path: Path, field: str, value: str) -> None:
     done = program(tmp_path, "+scenario=static", f"{field}={value}")
     assert done.returncode == 2

@@ -64,6 +64,11 @@ COLUMNS: tuple[Column, ...] = (
     Column("solve_cpu_s", "float", "s", "CPU time inside the solver, summed over all solves of the run"),
     Column("certificate_cpu_s", "float", "s", "CPU time to check the plan"),
     Column("wall_s", "float", "s", "wall-clock time of the whole run"),
+    Column("repeats", "int", "", "how often the run was solved again for its times, after it was solved once for its plan"),
+    Column("build_cpu_median_s", "float", "s", "median CPU time of the builds of the repeats"),
+    Column("solve_cpu_median_s", "float", "s", "median CPU time of the solves of the repeats"),
+    Column("solve_cpu_low_s", "float", "s", "smallest CPU time of the solves of the repeats"),
+    Column("solve_cpu_high_s", "float", "s", "largest CPU time of the solves of the repeats"),
     Column("peak_memory_mb", "float", "MB", "largest resident memory of the run's process (1 MB = 10^6 bytes)"),
     # how large it was
     Column("n_variables", "int", "", "number of scalar unknowns of the MPCC"),

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable, Mapping
 from pathlib import Path
 from typing import Any
 
+from benchbench.execution import BAD_INPUT, CERTIFIED, NOT_CERTIFIED
 from benchbench.settings import Rerun
 from benchbench.storage import provenance
 from benchbench.storage.status import Status
@@ -14,9 +16,14 @@ ENDED_ITSELF = (
 )  # fmt: skip
 """Statuses that are an answer; a run with another one is repeated by `rerun=failed`."""
 
+REFUSED = (Status.INCOMPATIBLE, Status.UNAVAILABLE)
 
-def earlier(root: Path, rerun: Rerun) -> dict[str, bool]:
-    """Configuration hashes that need not run again with this version of the code, and whether certified."""
+
+def earlier(root: Path, rerun: Rerun, repeats: int) -> dict[str, int]:
+    """Configuration hashes that need not run again with this version of the code, and their exit codes.
+
+    A run that was timed fewer than `repeats` times counts as missing, unless it died before it was timed.
+    """
     if rerun == "all":
         return {}
     from benchbench.storage.table import read
@@ -24,12 +31,13 @@ def earlier(root: Path, rerun: Rerun) -> dict[str, bool]:
     rows = read(root)
     code = ("benchbench_version", "git_commit", "git_dirty")
     now = _code()
-    found: dict[str, bool] = {}
-    for row in rows[["config_hash", "status", "certified", *code]].to_dict("records"):
+    found: dict[str, int] = {}
+    for row in rows[["config_hash", "status", "certified", "repeats", *code]].to_dict("records"):
         same = all(_plain(row[name]) == now[name] for name in code)
-        if same and (rerun == "missing" or row["status"] in ENDED_ITSELF):
+        timed = row["status"] not in ENDED_ITSELF or _count(row["repeats"]) >= repeats
+        if same and timed and (rerun == "missing" or row["status"] in ENDED_ITSELF):
             key = str(row["config_hash"])
-            found[key] = found.get(key, False) or _plain(row["certified"]) is True
+            found[key] = min(found.get(key, BAD_INPUT), _exit_code(row))
     return found
 
 
@@ -37,6 +45,18 @@ def _code() -> dict[str, Any]:
     commit, dirty = provenance.git_state(provenance.CHECKOUT)
     version = provenance.version("benchbench")
     return {"benchbench_version": version, "git_commit": commit, "git_dirty": dirty}
+
+
+def _exit_code(row: Mapping[Hashable, Any]) -> int:
+    if _plain(row["certified"]) is True:
+        return CERTIFIED
+    return BAD_INPUT if row["status"] in REFUSED else NOT_CERTIFIED
+
+
+def _count(value: Any) -> int:
+    import pandas as pd
+
+    return 1 if pd.isna(value) else int(value)
 
 
 def _plain(value: Any) -> Any:

@@ -8,7 +8,7 @@ from pathlib import Path
 from hydra.core.config_search_path import ConfigSearchPath
 from rich.console import Console
 
-from benchbench.execution import CERTIFIED, NOT_CERTIFIED, Ended, failure
+from benchbench.execution import Ended, failure
 from benchbench.hydra_errors import EXPECTED
 from benchbench.sweep.display import Display
 from benchbench.sweep.job import Job
@@ -24,7 +24,7 @@ def sweep(jobs: Sequence[Job], search_path: ConfigSearchPath, traced: bool = Fal
     codes: dict[int, int] = {}
     unfit: list[tuple[Job, Ended]] = []
     tasks: list[Task] = []
-    known: dict[tuple[Path, str], dict[str, bool]] = {}
+    known: dict[tuple[Path, str, int], dict[str, int]] = {}
     for job in jobs:
         place = None
         try:
@@ -33,12 +33,12 @@ def sweep(jobs: Sequence[Job], search_path: ConfigSearchPath, traced: bool = Fal
         except EXPECTED as error:
             unfit.append((job, failure(error, job.case, place)))
             continue
-        asked = (place.root, settings.rerun)
+        asked = (place.root, settings.rerun, settings.repeats)
         if asked not in known:
-            known[asked] = earlier(place.root, settings.rerun)
+            known[asked] = earlier(place.root, settings.rerun, settings.repeats)
         label = place.labels["config_hash"]
         if label in known[asked]:
-            codes[job.number] = CERTIFIED if known[asked][label] else NOT_CERTIFIED
+            codes[job.number] = known[asked][label]
         else:
             tasks.append((job, place, settings))
     if codes:
