@@ -1,0 +1,1 @@
+"""Has BenchBench become worse? A fixed small matrix against a stored baseline."""

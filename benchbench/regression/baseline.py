@@ -1,0 +1,59 @@
+"""The stored baseline: what each case gave, and where and with what that was measured."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import Field, TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from benchbench.errors import BadInput
+from benchbench.regression.measure import Entry
+from benchbench.storage import provenance
+from benchbench.storage.files import write_bytes
+
+BASELINE = "baseline.json"
+
+
+@dataclass(frozen=True)
+class _Entry:
+    status: str
+    certified: bool
+    travel_time_s: float | None
+    objective: float | None
+    iterations: int | None
+    evaluations: int | None
+    ratios: Annotated[list[Annotated[float, Field(gt=0.0)]], Field(min_length=5)]
+
+
+@dataclass(frozen=True)
+class _Baseline:
+    provenance: dict[str, Any]
+    cases: dict[str, _Entry]
+
+
+def save(folder: Path, entries: Mapping[str, Entry]) -> Path:
+    """Write the baseline with its provenance; raises BadInput when the disk refuses."""
+    content = {"provenance": provenance.collect(), "cases": dict(entries)}
+    path = folder / BASELINE
+    write_bytes(path, (json.dumps(content, indent=1) + "\n").encode())
+    return path
+
+
+def load(folder: Path) -> tuple[dict[str, Any], dict[str, Entry]]:
+    """Return provenance and entries by case; raises BadInput."""
+    path = folder / BASELINE
+    try:
+        content = json.loads(path.read_text())
+        TypeAdapter(_Baseline).validate_python(content)
+    except OSError as error:
+        raise BadInput("--baseline", f"'{path}': {error.strerror}", "--update makes it") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise BadInput(f"{path}: {'.'.join(map(str, first['loc']))}", first["msg"]) from None
+    except ValueError as error:
+        raise BadInput(str(path), f"is no JSON: {error}", "--update makes it again") from None
+    return content["provenance"], content["cases"]

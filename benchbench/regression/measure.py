@@ -1,0 +1,40 @@
+"""Run one case of the matrix: its answer, and its solve times paired with the reference."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from benchbench import config, pipeline
+from benchbench.case import Case, Ledger
+from benchbench.regression.reference import Reference
+
+ANSWER = ("status", "certified", "travel_time_s", "objective", "iterations", "evaluations")
+"""Columns of the record that are compared."""
+Entry = dict[str, Any]
+
+
+def measure(overrides: Sequence[str], repeats: int, reference: Reference) -> Entry:
+    """Return the answer and `ratios`, one per repeat: solve CPU / mean CPU of the reference just before and after.
+
+    The first solve gives the answer and warms up. Raises BadInput.
+    """
+    case = config.compose(*overrides)
+    record = pipeline.run(case).record
+    ratios = []
+    before = reference.cpu_s()
+    for _ in range(repeats):
+        spent = _solve_cpu(case)
+        after = reference.cpu_s()
+        ratios.append(2.0 * spent / (before + after))
+        before = after
+    return {name: record[name] for name in ANSWER} | {"ratios": ratios}
+
+
+def _solve_cpu(case: Case) -> float:
+    """CPU seconds of everything but construction, whatever the backend says of its own time."""
+    ledger = Ledger(case.time_limit)
+    began = time.process_time()
+    case.strategy.solve(case, ledger)
+    return time.process_time() - began - ledger.build_cpu
