@@ -20,7 +20,7 @@ from benchbench.execution import BAD_INPUT, CERTIFIED, execute
 from benchbench.hydra_errors import EXPECTED, explained
 from benchbench.overrides import carried
 from benchbench.sweep.job import Job
-from benchbench.sweep.sweep import sweep
+from benchbench.sweep.sweep import Engine, here, sweep
 
 
 def start(arguments: Sequence[str]) -> int:
@@ -98,7 +98,7 @@ class _Call:
         if ended.record is not None and not ended.complaints:
             summary.show(ended.record, ended.paths)
 
-    def sweep(self, jobs: Sequence[Job], search_path: ConfigSearchPath) -> list[int]:
-        """Run all combinations, each in a process of its own; called by our Hydra launcher."""
-        self.codes += sweep(jobs, search_path, self.traced)
+    def sweep(self, jobs: Sequence[Job], search_path: ConfigSearchPath, engine: Engine = here) -> list[int]:
+        """Run all combinations, each in a process of its own; called by our Hydra launchers."""
+        self.codes += sweep(jobs, search_path, self.traced, engine)
         return self.codes[-len(jobs) :]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from hydra.core.config_search_path import ConfigSearchPath
@@ -15,11 +15,22 @@ from benchbench.sweep.job import Job
 from benchbench.sweep.pool import Task, run_all
 from benchbench.sweep.resume import earlier
 
+Engine = Callable[[Sequence[Task], ConfigSearchPath], Iterable[tuple[Task, Ended | Exception]]]
+"""Carries out tasks and gives each with its end as soon as it is known; Hydra's search path is for the workers."""
 
-def sweep(jobs: Sequence[Job], search_path: ConfigSearchPath, traced: bool = False) -> list[int]:
+
+def here(tasks: Sequence[Task], search_path: ConfigSearchPath) -> Iterable[tuple[Task, Ended | Exception]]:
+    """Carry them out in worker processes on this machine."""
+    workers = max(settings.workers for _, _, settings in tasks)
+    return run_all(tasks, workers, search_path)
+
+
+def sweep(
+    jobs: Sequence[Job], search_path: ConfigSearchPath, traced: bool = False, engine: Engine = here
+) -> list[int]:
     """Run all jobs and return their exit codes, in order; a skipped one has that of its earlier run.
 
-    search_path: Hydra's, for the workers; traced: show where errors came from.
+    search_path: Hydra's, for the workers; traced: show where errors came from; engine: who carries them out.
     """
     codes: dict[int, int] = {}
     unfit: list[tuple[Job, Ended]] = []
@@ -49,8 +60,7 @@ def sweep(jobs: Sequence[Job], search_path: ConfigSearchPath, traced: bool = Fal
             display.ended(job, end)
             codes[job.number] = end.code
         if tasks:
-            workers = max(settings.workers for _, _, settings in tasks)
-            for (job, place, _), told in run_all(tasks, workers, search_path):
+            for (job, place, _), told in engine(tasks, search_path):
                 end = told if isinstance(told, Ended) else failure(told, job.case, place, peak_memory_mb=None)
                 display.ended(job, end)
                 codes[job.number] = end.code

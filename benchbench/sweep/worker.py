@@ -57,12 +57,17 @@ def work(job: Job, settings: Settings) -> Ended:
     return done.return_value
 
 
+def end_with_parent_process() -> None:
+    """Ask Linux to kill this process when its parent dies, also while native code computes."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
 def _end_with_parent() -> None:
     parent = parent_process()
     if parent is None:
         return
-    if sys.platform == "linux":  # works also while native code computes
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+    end_with_parent_process()
     sentinel: Any = parent.sentinel
 
     def watch() -> None:

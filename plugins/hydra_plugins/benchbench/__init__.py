@@ -18,6 +18,12 @@ ConfigStore.instance().store(
     node={"_target_": "hydra_plugins.benchbench.IsolatedLauncher"},
     provider="benchbench",
 )
+ConfigStore.instance().store(
+    group="hydra/launcher",
+    name="dask",
+    node={"_target_": "hydra_plugins.benchbench.DaskLauncher", "scheduler": None, "patience": 600.0},
+    provider="benchbench",
+)
 
 
 class IsolatedLauncher(Launcher):
@@ -26,6 +32,12 @@ class IsolatedLauncher(Launcher):
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         """Keep what Hydra gives."""
         self._context, self._config, self._task = hydra_context, config, task_function
+
+    def engine(self) -> Any:
+        """Return who carries out the runs: worker processes on this machine."""
+        from benchbench.sweep.sweep import here
+
+        return here
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> list[JobReturn]:
         """Run one job for each list of overrides. Raises TypeError for a task function that cannot sweep."""
@@ -44,8 +56,22 @@ class IsolatedLauncher(Launcher):
             with open_dict(composed):
                 composed.hydra.job.id = composed.hydra.job.num = number
             jobs.append(Job(number + 1, composed))
-        codes = sweep(jobs, loader.get_search_path())
+        codes = sweep(jobs, loader.get_search_path(), self.engine())
         return [
             JobReturn(overrides=list(overrides), status=JobStatus.COMPLETED, _return_value=code)
             for overrides, code in zip(job_overrides, codes, strict=True)
         ]
+
+
+class DaskLauncher(IsolatedLauncher):
+    """Sends every combination to the workers of a Dask scheduler, which isolate it as a local sweep does."""
+
+    def __init__(self, scheduler: str | None = None, patience: float = 600.0) -> None:
+        """Take the address of the scheduler and for how many seconds to wait for its first worker."""
+        self._scheduler, self._patience = scheduler, patience
+
+    def engine(self) -> Any:
+        """Return who carries out the runs: the cluster. Raises BadInput."""
+        from benchbench.sweep.cluster import Cluster
+
+        return Cluster.of(self._scheduler, self._patience)

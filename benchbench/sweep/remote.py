@@ -1,0 +1,55 @@
+"""One run on a worker of a cluster: a process of its own carries out what a local sweep would.
+
+Dask's workers are daemonic and may not have multiprocessing children; a plain child process may.
+"""
+
+from __future__ import annotations
+
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+from hydra.core.config_search_path import ConfigSearchPath
+
+from benchbench.errors import Crash
+from benchbench.execution import Ended
+from benchbench.sweep.pool import Task, run_all
+
+Files = dict[str, bytes]
+"""Contents of a run's files by their path below its folder."""
+_PROGRAM = "from benchbench.sweep.remote import main; main()"
+
+
+def run(task: Task, search_path: ConfigSearchPath) -> tuple[Ended | Exception, Files]:
+    """Carry out one task and return its end and its files; called by a worker of the cluster."""
+    done = subprocess.run(
+        [sys.executable, "-c", _PROGRAM], input=pickle.dumps((task, search_path)), capture_output=True,
+        env={**os.environ, "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1")}, check=False,
+    )  # fmt: skip
+    if done.returncode:
+        said = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
+        return Crash(
+            f"the run's process on the cluster ended with exit code {done.returncode}: {''.join(said)}"
+        ), {}
+    end: Ended | Exception = pickle.loads(done.stdout)
+    folder = task[1].folder
+    return end, {str(path.relative_to(folder)): path.read_bytes() for path in _files(folder)}
+
+
+def main() -> None:
+    """Read a task from standard input, carry it out, write its end to standard output."""
+    from benchbench.sweep.worker import end_with_parent_process
+
+    end_with_parent_process()
+    answer = os.dup(1)
+    os.dup2(2, 1)  # nothing else may write there
+    task, search_path = pickle.load(sys.stdin.buffer)
+    ends = [end for _, end in run_all([task], 1, search_path)]
+    with open(answer, "wb") as out:
+        pickle.dump(ends[0], out)
+
+
+def _files(folder: Path) -> list[Path]:
+    return [path for path in folder.rglob("*") if path.is_file()]
