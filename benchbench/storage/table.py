@@ -30,7 +30,7 @@ _ARROW = {
     "bool": pa.bool_(),
     "strings": pa.list_(pa.string()),
 }
-_PANDAS = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
+PANDAS = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
 _RUN_ID = re.compile(r"[\w][\w.+=-]*")
 
 SCHEMA = pa.schema(
@@ -57,7 +57,7 @@ def read(root: Path) -> pd.DataFrame:
 
     Integers and booleans use pandas' nullable types. A file that is no row is logged and left out.
     """
-    return _load(root).to_pandas(types_mapper=_PANDAS.get)
+    return _load(root).to_pandas(types_mapper=PANDAS.get)
 
 
 def rebuild(root: Path) -> tuple[int, dict[Path, str]]:

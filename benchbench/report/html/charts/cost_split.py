@@ -8,7 +8,9 @@ from benchbench.report.html.charts.chart import ROW_PX, Chart, figure
 from benchbench.report.style import CURVES
 from benchbench.storage.schema import COLUMNS
 
-PARTS = {c.name: c.name.removesuffix("_cpu_s").replace("_", " ") for c in COLUMNS if c.name.endswith("_cpu_s")}
+PARTS = {
+    c.name: c.name.removesuffix("_cpu_s").replace("_", " ") for c in COLUMNS if c.name.endswith("_cpu_s")
+}
 """Every part of a run whose CPU time is recorded, and its name."""
 
 

@@ -19,8 +19,12 @@ COLORS = dict(
 
 def chart(runs: pd.DataFrame) -> Chart:
     """Count the outcomes of each method's runs."""
-    text = "Number of runs by outcome; what each outcome means and what helps stands in the list of runs below."
-    counts = runs.assign(status=runs.status.fillna("unknown")).groupby(["method", "status"], sort=False).size()
+    text = (
+        "Number of runs by outcome; what each outcome means and what helps stands in the list of runs below."
+    )
+    counts = (
+        runs.assign(status=runs.status.fillna("unknown")).groupby(["method", "status"], sort=False).size()
+    )
     table = counts.unstack(fill_value=0)
     made = figure("runs", height=ROW_PX * len(table) + 150)
     for status in [*Status, "unknown"]:

@@ -12,7 +12,9 @@ def add_runs(made: go.Figure, runs: pd.DataFrame, x: str, y: str, styles: Styles
     """Add the runs of each method and series; points of a series (column `series`) are joined by a line."""
     shown: set[str] = set()
     for (method, _), some in runs.groupby(["method", "series"], sort=False):
-        made.add_scatter(**_trace(str(method), some.sort_values(x), x, y, styles[method], method not in shown))
+        made.add_scatter(
+            **_trace(str(method), some.sort_values(x), x, y, styles[method], method not in shown)
+        )
         shown.add(method)
 
 

@@ -25,7 +25,7 @@ class Success:
 def success(runs: pd.DataFrame) -> list[Success]:
     """Count each method's runs; a run that never came to a claim counts as none."""
     return [
-        Success(str(method), _rate(some.claimed_success), _rate(some.certified))
+        Success(str(method), rate(some.claimed_success), rate(some.certified))
         for method, some in runs.groupby("method", sort=False)
     ]
 
@@ -64,5 +64,6 @@ def chart(runs: pd.DataFrame) -> Chart:
     return Chart("Success, claimed and certified", text, made)
 
 
-def _rate(column: pd.Series) -> Rate:
+def rate(column: pd.Series) -> Rate:
+    """Share of a column that is true; what is unknown is not."""
     return wilson(int(column.fillna(False).astype(bool).sum()), len(column))

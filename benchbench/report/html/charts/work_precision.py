@@ -22,9 +22,7 @@ def chart(runs: pd.DataFrame, styles: Styles) -> Chart:
     if known.empty:
         return Chart(title, text, missing="No run has a plan whose error was measured.")
     made = figure("replay error of one interval [m]", "CPU time [s]")
-    add_runs(
-        made, known.assign(series=known.task + known.kappa_init.astype(str)), ERROR, WORK, styles
-    )
+    add_runs(made, known.assign(series=known.task + known.kappa_init.astype(str)), ERROR, WORK, styles)
     logarithmic(made, "xaxis")
     logarithmic(made, "yaxis")
     return Chart(title, text, made)

@@ -19,10 +19,12 @@ COLUMNS, ROW_PX = 2, 128
 
 
 def limits(panels: Sequence[Panel], windows: Sequence[tuple[float, float]], travel_time: float) -> go.Figure:
-    """Return small plots of the panels; the first shape of each, in order, is the time cursor."""
+    """Return small plots of the panels; the shapes named `cursor` follow the time."""
     rows = max(ceil(len(panels) / COLUMNS), 1)
     titles = [f"{panel.title} [{panel.unit}]" for panel in panels]
-    made = make_subplots(rows, COLUMNS, subplot_titles=titles, vertical_spacing=0.36 / rows, horizontal_spacing=0.1)
+    made = make_subplots(
+        rows, COLUMNS, subplot_titles=titles, vertical_spacing=0.36 / rows, horizontal_spacing=0.1
+    )
     for i, panel in enumerate(panels):
         row, column = divmod(i, COLUMNS)
         _draw(made, panel, row + 1, column + 1)
@@ -57,7 +59,9 @@ def _traces(curve: Curve, color: str, unit: str, floor: float) -> list[go.Scatte
     traces = [go.Scatter(x=x, y=y, mode="lines", line={"color": color, "width": 1.4}, hovertemplate=hover)]
     if curve.dots is not None:
         x, y = _points(curve.dots, floor)
-        traces.append(go.Scatter(x=x, y=y, mode="markers", marker={"color": color, "size": 3}, hovertemplate=hover))
+        traces.append(
+            go.Scatter(x=x, y=y, mode="markers", marker={"color": color, "size": 3}, hovertemplate=hover)
+        )
     return traces
 
 
@@ -77,7 +81,15 @@ def _limit_colors(panel: Panel) -> list[str]:
 
 def _cursors(count: int) -> list[dict[str, Any]]:
     return [
-        {"type": "line", **_place(i), "x0": 0.0, "x1": 0.0, "line": {"color": INK, "width": 1}} for i in range(count)
+        {
+            "type": "line",
+            "name": "cursor",
+            **_place(i),
+            "x0": 0.0,
+            "x1": 0.0,
+            "line": {"color": INK, "width": 1},
+        }
+        for i in range(count)
     ]
 
 

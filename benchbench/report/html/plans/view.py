@@ -25,9 +25,7 @@ def view(scene: Scene) -> go.Figure:
     nodes = frame_nodes(scene)
     still = _paths(scene)
     moving = list(range(len(still), len(still) + 4))
-    frames = [
-        go.Frame(name=_name(scene, k), data=_moving(scene, k), traces=moving) for k in nodes
-    ]
+    frames = [go.Frame(name=_name(scene, k), data=_moving(scene, k), traces=moving) for k in nodes]
     made = go.Figure([*still, *_moving(scene, nodes[0])], frames=frames)
     made.update_layout(
         template="none", scene=_space(scene), font={"family": FONT, "color": INK, "size": 12},
