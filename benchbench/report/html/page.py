@@ -27,7 +27,7 @@ VERSIONS = (
     "solver_version",
 )  # fmt: skip
 MACHINE = ("platform", "cpu", "cpu_count", "threads")
-CONFIG = {"displaylogo": False, "responsive": True, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
+CONFIG = {"displaylogo": False, "responsive": True, "modeBarButtons": [["toImage"]]}
 
 
 @dataclass(frozen=True)

@@ -19,12 +19,12 @@ SHIFT_S = 1.0
 """Shift of the geometric means: a difference far below a second decides nothing."""
 
 RUN_COLUMNS = (
-    "run_id", "scenario", "vehicle", "intervals", "kappa_init", "seed", "dynamics", "relaxation", "solver", "strategy",
-    "guess", "status", "claimed_success", "certified", "travel_time_s", "objective", "lower_bound_s", "iterations",
-    "evaluations", "build_cpu_s", "solve_cpu_s", "certificate_cpu_s", "wall_s", "peak_memory_mb", "max_violation",
-    "max_complementarity", "replay_defect_position_m", "replay_drift_position_m", "replay_end_error_m",
-    "max_rate_ratio", "contact_steps", "contact_duration_s", "contact_max_distance_m", "contact_max_speed_gap_mps",
-    "reasons", "advice",
+    "run_id", "scenario", "intervals", "kappa_init", "dynamics", "relaxation", "solver", "strategy", "guess", "status",
+    "claimed_success", "travel_time_s", "iterations", "solve_cpu_s", "replay_defect_position_m",
+    "contact_max_distance_m", "contact_max_speed_gap_mps", "reasons", "advice", "objective", "lower_bound_s",
+    "evaluations", "build_cpu_s", "certificate_cpu_s", "wall_s", "peak_memory_mb", "max_violation",
+    "max_complementarity", "replay_drift_position_m", "replay_end_error_m", "max_rate_ratio", "contact_steps",
+    "contact_duration_s", "vehicle", "seed",
 )  # fmt: skip
 _BY_NAME = {column.name: column for column in COLUMNS}
 

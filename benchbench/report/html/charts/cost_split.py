@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from benchbench.report.html.charts.chart import ROW_PX, Chart, figure
+from benchbench.report.html.charts.chart import Chart, bars
 from benchbench.report.style import CURVES
 from benchbench.storage.schema import COLUMNS
 
@@ -24,12 +24,10 @@ def chart(runs: pd.DataFrame) -> Chart:
     means = runs.groupby("method", sort=False)[list(PARTS)].mean().astype(float).dropna(how="all")
     if means.empty:
         return Chart(title, text, missing="No run has recorded its CPU time.")
-    made = figure("CPU time [s]", height=ROW_PX * len(means) + 150)
+    made = bars("CPU time [s]", len(means), PARTS.values())
     for i, (part, name) in enumerate(PARTS.items()):
         made.add_bar(
             y=means.index.astype(str), x=means[part], name=name, orientation="h", marker={"color": CURVES[i % 6]},
             hovertemplate="%{x:.3g} s<extra>" + name + "</extra>",
         )  # fmt: skip
-    made.update_layout(barmode="stack", bargap=0.35)
-    made.update_yaxes(autorange="reversed", ticks="", showgrid=False)
     return Chart(title, text, made)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from benchbench.report.html.charts.chart import ROW_PX, Chart, figure
+from benchbench.report.html.charts.chart import Chart, bars
 from benchbench.report.style import GOOD
 from benchbench.storage.status import Status
 
@@ -26,7 +26,7 @@ def chart(runs: pd.DataFrame) -> Chart:
         runs.assign(status=runs.status.fillna("unknown")).groupby(["method", "status"], sort=False).size()
     )
     table = counts.unstack(fill_value=0)
-    made = figure("runs", height=ROW_PX * len(table) + 150)
+    made = bars("runs", len(table), map(str, table.columns))
     for status in [*Status, "unknown"]:
         if status in table:
             made.add_bar(
@@ -34,7 +34,5 @@ def chart(runs: pd.DataFrame) -> Chart:
                 marker={"color": COLORS.get(status, "#DDDDDD")},
                 hovertemplate="%{x} runs<extra>" + str(status) + "</extra>",
             )  # fmt: skip
-    made.update_layout(barmode="stack", bargap=0.35)
-    made.update_xaxes(tickformat="d", rangemode="tozero")
-    made.update_yaxes(autorange="reversed", ticks="", showgrid=False)
+    made.update_xaxes(tickformat="d")
     return Chart("How the runs ended", text, made)

@@ -60,7 +60,7 @@ def _costs(runs: pd.DataFrame, column: str) -> tuple[pd.DataFrame, str]:
 def _draw(
     chart: Chart, profiles: Mapping[str, Step], styles: Styles, unit: str, start: float | None
 ) -> Chart:
-    made = figure(unit, "share of problems [%]")
+    made = figure(unit, "share of problems [%]", names=profiles)
     places = np.concatenate([x for x, _ in profiles.values()])
     left = float(np.min(places)) * 0.8 if start is None else start
     right = float(np.max(places)) * 1.25
@@ -71,7 +71,7 @@ def _draw(
             mode="lines", name=method, line={**line(styles[method]), "shape": "hv"},
             hovertemplate="%{y:.0f} % within %{x:.3g}",
         )  # fmt: skip
-    logarithmic(made, "xaxis")
+    logarithmic(made, "xaxis", [left, right])
     made.update_xaxes(range=np.log10([left, right]).tolist())
     made.update_yaxes(range=[-2, 103])
     return Chart(chart.title, chart.text, made)

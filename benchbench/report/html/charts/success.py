@@ -37,14 +37,14 @@ def chart(runs: pd.DataFrame) -> Chart:
         "Share of each method's runs in which the solver claims success, and in which our own checks accept the "
         "plan. Bars are 95 % Wilson score intervals."
     )
-    made = figure("share of runs [%]", height=ROW_PX * 2 * len(rates) // 2 + 150)
+    made = figure("share of runs [%]", height=ROW_PX * len(rates) + 90, names=MARKS)
     names = [one.method for one in rates]
     for kind, (color, symbol) in MARKS.items():
         found: list[Rate] = [getattr(one, kind) for one in rates]
         shares = [100 * (rate.rate or 0.0) for rate in found]
         made.add_scatter(
             x=shares, y=[names.index(name) + (0.12 if kind == "claimed" else -0.12) for name in names],
-            mode="markers", name=kind, marker={"color": color, "symbol": symbol, "size": 11, "line": {"width": 2}},
+            mode="markers", name=kind, cliponaxis=False, marker={"color": color, "symbol": symbol, "size": 11, "line": {"width": 2}},
             error_x={
                 "type": "data", "symmetric": False, "color": color, "thickness": 1.5,
                 "array": [100 * rate.high - share for rate, share in zip(found, shares, strict=True)],
@@ -59,6 +59,7 @@ def chart(runs: pd.DataFrame) -> Chart:
         ticktext=names,
         range=[len(names) - 0.5, -0.5],
         ticks="",
+        ticklabelstandoff=6,
         showgrid=False,
     )
     return Chart("Success, claimed and certified", text, made)

@@ -22,7 +22,7 @@ def chart(runs: pd.DataFrame, styles: Styles, over: str) -> Chart:
     known = runs[runs.travel_time_s.notna() & runs[over].notna()]
     if known.empty:
         return Chart(title, text, missing="No run has a plan.")
-    made = figure(AXES[over], "travel time [s]")
+    made = figure(AXES[over], "travel time [s]", names=known.method.unique())
     add_runs(
         made, known.assign(series=known.task + known[OTHER[over]].astype(str)), over, "travel_time_s", styles
     )

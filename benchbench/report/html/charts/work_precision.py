@@ -21,8 +21,8 @@ def chart(runs: pd.DataFrame, styles: Styles) -> Chart:
     known = runs[(runs[ERROR] > 0) & (runs[WORK] > 0)]
     if known.empty:
         return Chart(title, text, missing="No run has a plan whose error was measured.")
-    made = figure("replay error of one interval [m]", "CPU time [s]")
+    made = figure("replay error of one interval [m]", "CPU time [s]", names=known.method.unique())
     add_runs(made, known.assign(series=known.task + known.kappa_init.astype(str)), ERROR, WORK, styles)
-    logarithmic(made, "xaxis")
-    logarithmic(made, "yaxis")
+    logarithmic(made, "xaxis", known[ERROR])
+    logarithmic(made, "yaxis", known[WORK])
     return Chart(title, text, made)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from html import escape
 from math import ceil
+from os.path import commonprefix
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
-from benchbench.report.html.charts.chart import FONT, GRID
+from benchbench.report.html.charts.chart import CLEAR, FONT, GRID
 from benchbench.report.panel import Curve, Panel, Points, span
 from benchbench.report.style import CONTACT, CURVES, FAINT, INK, LIMIT
 
@@ -21,7 +23,7 @@ COLUMNS, ROW_PX = 2, 128
 def limits(panels: Sequence[Panel], windows: Sequence[tuple[float, float]], travel_time: float) -> go.Figure:
     """Return small plots of the panels; the shapes named `cursor` follow the time."""
     rows = max(ceil(len(panels) / COLUMNS), 1)
-    titles = [f"{panel.title} [{panel.unit}]" for panel in panels]
+    titles = [_title(panel) for panel in panels]
     made = make_subplots(
         rows, COLUMNS, subplot_titles=titles, vertical_spacing=0.36 / rows, horizontal_spacing=0.1
     )
@@ -34,10 +36,25 @@ def limits(panels: Sequence[Panel], windows: Sequence[tuple[float, float]], trav
     made.update_annotations(font={"size": 12, "color": INK})
     made.update_layout(
         template="none", height=ROW_PX * rows + 20, font={"family": FONT, "color": INK, "size": 11}, showlegend=False,
-        margin={"l": 44, "r": 10, "t": 24, "b": 24}, paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
+        margin={"l": 44, "r": 10, "t": 24, "b": 24}, paper_bgcolor=CLEAR, plot_bgcolor=CLEAR,
+        modebar={"bgcolor": CLEAR, "color": FAINT, "activecolor": INK},
         hovermode="closest", shapes=[*_cursors(len(panels)), *_windows(len(panels), windows), *_bounds(panels)],
     )  # fmt: skip
     return made
+
+
+def _title(panel: Panel) -> str:
+    """Quantity and unit, and the names of several curves in their colours."""
+    title = f"{panel.title} [{panel.unit}]"
+    if len(panel.curves) == 1:
+        return title
+    labels = [curve.label.replace("_", " ") for curve in panel.curves]
+    shared = commonprefix(labels)
+    if all(label[len(shared) :].isdecimal() for label in labels):  # motor 1, motor 2, ...
+        labels = [labels[0], *(label[len(shared) :] for label in labels[1:])]
+    pairs = zip(labels, _colors(panel), strict=True)
+    names = [f'<span style="color:{color}">{escape(label)}</span>' for label, color in pairs]
+    return f"{title}: {' '.join(names)}"
 
 
 def _draw(made: go.Figure, panel: Panel, row: int, column: int) -> None:
@@ -46,7 +63,7 @@ def _draw(made: go.Figure, panel: Panel, row: int, column: int) -> None:
         for trace in _traces(curve, color, panel.unit, low if panel.logarithmic else -np.inf):
             made.add_trace(trace, row, column)
     if panel.logarithmic:
-        made.update_yaxes(type="log", range=np.log10([low, high]).tolist(), row=row, col=column)
+        made.update_yaxes(type="log", dtick=1, range=np.log10([low, high]).tolist(), row=row, col=column)
     else:
         made.update_yaxes(range=[low, high], row=row, col=column)
 

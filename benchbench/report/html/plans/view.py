@@ -8,13 +8,15 @@ import numpy as np
 import plotly.graph_objects as go
 
 from benchbench.plan import Array
-from benchbench.report.html.charts.chart import FONT, GRID
+from benchbench.report.html.charts.chart import CLEAR, FONT, GRID
 from benchbench.report.style import ARM, FAINT, FRAME, INK, TARGET, TOOL
 from benchbench.report.views import Scene, skeleton
 
 FRAMES = 60
 """About how many instants are shown; those in contact always are."""
 MARGIN_M = 0.15
+LENGTH = 1.45
+"""Length of the longest axis, in Plotly's unit; a longer one leaves the picture."""
 
 
 def view(scene: Scene) -> go.Figure:
@@ -29,7 +31,7 @@ def view(scene: Scene) -> go.Figure:
     made = go.Figure([*still, *_moving(scene, nodes[0])], frames=frames)
     made.update_layout(
         template="none", scene=_space(scene), font={"family": FONT, "color": INK, "size": 12},
-        margin={"l": 0, "r": 0, "t": 0, "b": 0}, height=560, paper_bgcolor="rgba(0,0,0,0)",
+        margin={"l": 0, "r": 0, "t": 0, "b": 0}, height=560, paper_bgcolor=CLEAR, modebar={"bgcolor": CLEAR, "color": FAINT, "activecolor": INK},
         legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 0}, uirevision="keep",
         sliders=[_slider([frame.name for frame in frames])], updatemenus=[_buttons(scene, len(frames))],
     )  # fmt: skip
@@ -109,10 +111,10 @@ def _space(scene: Scene) -> dict[str, Any]:
         for i, name in enumerate("xyz")
     }  # fmt: skip
     size = high - low
-    share = size / np.max(size) * 1.6
+    share = size / np.max(size) * LENGTH
     return {
         **axes, "aspectmode": "manual", "aspectratio": dict(zip("xyz", share.tolist(), strict=True)),
-        "camera": {"eye": {"x": 0.35, "y": -1.75, "z": 0.55}, "center": {"x": 0.0, "y": 0.0, "z": -0.08}},
+        "domain": {"x": [0.0, 1.0], "y": [0.14, 1.0]}, "camera": {"eye": {"x": -0.85, "y": -1.4, "z": 0.75}},
     }  # fmt: skip
 
 
@@ -120,8 +122,8 @@ def _slider(names: list[str]) -> dict[str, Any]:
     at_once = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
     return {
         "steps": [{"method": "animate", "label": name, "args": [[name], at_once]} for name in names],
-        "currentvalue": {"prefix": "t = ", "suffix": " s", "font": {"size": 14}}, "active": 0,
-        "x": 0.17, "len": 0.8, "y": 0.0, "yanchor": "bottom", "pad": {"t": 6, "b": 6}, "ticklen": 0, "minorticklen": 0,
+        "currentvalue": {"prefix": "t = ", "suffix": " s", "font": {"size": 14, "color": INK}, "xanchor": "right"}, "active": 0,
+        "x": 0.0, "len": 1.0, "y": 0.0, "yanchor": "bottom", "pad": {"t": 6, "b": 6, "l": 14, "r": 14}, "ticklen": 0, "minorticklen": 0,
         "font": {"color": "rgba(0,0,0,0)", "size": 1},
     }  # fmt: skip
 
@@ -132,8 +134,8 @@ def _buttons(scene: Scene, frames: int) -> dict[str, Any]:
     play = {"fromcurrent": True, "frame": {"duration": pace, "redraw": True}, "transition": {"duration": 0}}
     stop = {"mode": "immediate", "frame": {"duration": 0, "redraw": False}, "transition": {"duration": 0}}
     return {
-        "type": "buttons", "direction": "left", "showactive": False, "x": 0.0, "xanchor": "left", "y": 0.0,
-        "yanchor": "bottom", "pad": {"t": 6, "b": 14, "l": 8},
+        "type": "buttons", "direction": "left", "showactive": False, "x": 0.0, "xanchor": "left", "y": 0.07,
+        "yanchor": "bottom", "pad": {"l": 8},
         "buttons": [
             {"label": "▶", "method": "animate", "args": [None, play]},
             {"label": "❚❚", "method": "animate", "args": [[None], stop]},
