@@ -10,12 +10,11 @@ from benchbench.report.html.charts.chart import Style, Styles, line
 
 def add_runs(made: go.Figure, runs: pd.DataFrame, x: str, y: str, styles: Styles) -> None:
     """Add the runs of each method and series; points of a series (column `series`) are joined by a line."""
-    shown: set[str] = set()
-    for (method, _), some in runs.groupby(["method", "series"], sort=False):
-        made.add_scatter(
-            **_trace(str(method), some.sort_values(x), x, y, styles[method], method not in shown)
-        )
-        shown.add(method)
+    for method in runs.method.unique():
+        of_method = runs[runs.method == method]
+        for i, series in enumerate(of_method.series.unique()):
+            some = of_method[of_method.series == series].sort_values(x)
+            made.add_scatter(**_trace(method, some, x, y, styles[method], i == 0))
 
 
 def _trace(method: str, some: pd.DataFrame, x: str, y: str, style: Style, first: bool) -> dict[str, object]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from html import escape
 from math import ceil
-from os.path import commonprefix
 from typing import Any
 
 import numpy as np
@@ -49,9 +48,9 @@ def _title(panel: Panel) -> str:
     if len(panel.curves) == 1:
         return title
     labels = [curve.label.replace("_", " ") for curve in panel.curves]
-    shared = commonprefix(labels)
-    if all(label[len(shared) :].isdecimal() for label in labels):  # motor 1, motor 2, ...
-        labels = [labels[0], *(label[len(shared) :] for label in labels[1:])]
+    words, _, last = zip(*(label.rpartition(" ") for label in labels), strict=True)
+    if len(set(words)) == 1:  # motor 1, motor 2, ...
+        labels = [labels[0], *last[1:]]
     pairs = zip(labels, _colors(panel), strict=True)
     names = [f'<span style="color:{color}">{escape(label)}</span>' for label, color in pairs]
     return f"{title}: {' '.join(names)}"

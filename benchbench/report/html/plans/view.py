@@ -15,7 +15,7 @@ from benchbench.report.views import Scene, skeleton
 FRAMES = 60
 """About how many instants are shown; those in contact always are."""
 MARGIN_M = 0.15
-LENGTH = 1.45
+LENGTH = 1.3
 """Length of the longest axis, in Plotly's unit; a longer one leaves the picture."""
 
 
