@@ -49,10 +49,12 @@ def _costs(runs: pd.DataFrame, column: str) -> tuple[pd.DataFrame, str]:
     """Costs of the problems that can be compared, and what a reader must know about them."""
     table = cost_matrix(runs, column)
     costs = run_by_all(table).clip(lower=LEAST)
-    if costs.empty:
-        return costs, "No problem was tried by every method, so there is nothing to compare."
-    if not np.isfinite(costs.to_numpy()).any():
+    if not np.isfinite(table.to_numpy()).any():
         return costs.iloc[:0], "No run has a certified plan, so there is no cost to compare."
+    if not np.isfinite(costs.to_numpy()).any():
+        return costs.iloc[
+            :0
+        ], "No problem that every method was tried on was solved, so nothing can be compared."
     left = len(table) - len(costs)
     return costs, f" {left} problems that some method was not tried on are left out." if left else ""
 
