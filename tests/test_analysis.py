@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchbench.analysis.costs import cost_matrix, run_by_all
+from benchbench.analysis.costs import comparable, cost_matrix
 from benchbench.analysis.means import shifted_geometric_mean, three_means
 from benchbench.analysis.naming import flatten, name_runs
 from benchbench.analysis.profiles import data_profile, performance_profile
@@ -102,7 +102,18 @@ def test_costs_are_medians_of_repeats_and_failures_infinite() -> None:
     assert costs.loc["p"].tolist() == [2.0, INF]
     assert costs.loc["q", "a"] == INF  # one of two failed
     assert np.isnan(costs.loc["q", "b"])  # never tried is no failure
-    assert run_by_all(costs).index.tolist() == ["p"]
+
+
+def test_methods_tried_on_few_problems_do_not_spoil_the_comparison() -> None:
+    costs = pd.DataFrame(
+        {"a": [1.0, 2.0, INF, 1.0], "odd": [np.nan, np.nan, INF, np.nan], "b": [1.0, 2.0, 1.0, np.nan]},
+        index=[*"pqrs"],
+    )
+    kept = comparable(costs)
+    assert (kept.index.tolist(), kept.columns.tolist()) == (["p", "q", "r"], ["a", "b"])
+    everything = costs.fillna(1.0)
+    assert comparable(everything).equals(everything)
+    assert comparable(pd.DataFrame({"a": [1.0, np.nan], "b": [np.nan, 1.0]})).shape == (1, 1)
 
 
 def runs_of(*rows: dict[str, Any]) -> pd.DataFrame:

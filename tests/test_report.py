@@ -82,7 +82,7 @@ def page_text(path: Path) -> str:
 
 
 def test_the_program_says_what_it_wrote(made: tuple[Path, Done]) -> None:
-    folder, done = made
+    done = made[1]
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(f"{RUNS} runs, 3 plans in report.html (")
     assert "left out" in done.stderr and "broken/record.json: JSONDecodeError" in done.stderr

@@ -10,7 +10,7 @@ def cost_matrix(runs: pd.DataFrame, cost: str, success: str = "certified") -> pd
     """Costs (problems x methods): the median over repeats, a failed run costing infinity.
 
     runs: rows with the columns `problem`, `method`, `cost` and `success`. A run that succeeded without a
-    known cost is left out. NaN where a method never ran; see `run_by_all`.
+    known cost is left out. NaN where a method never ran; see `comparable`.
     """
     solved = runs[success].fillna(False).astype(bool)
     paid = pd.to_numeric(runs[cost]).astype(float).where(solved, np.inf)
@@ -18,6 +18,14 @@ def cost_matrix(runs: pd.DataFrame, cost: str, success: str = "certified") -> pd
     return table.pivot_table(index="problem", columns="method", values="cost", aggfunc="median", sort=False)
 
 
-def run_by_all(costs: pd.DataFrame) -> pd.DataFrame:
-    """Only the problems that every method was tried on: others would compare different sets."""
-    return costs.dropna()
+def comparable(costs: pd.DataFrame) -> pd.DataFrame:
+    """The methods and problems that can be compared: every method here was tried on every problem here.
+
+    Methods tried on the fewest problems are left out as long as that leaves more pairs of method and problem.
+    """
+    best, rest = costs.dropna(), costs
+    while rest.shape[1] > 1:
+        rest = rest.drop(columns=rest.notna().sum().idxmin())
+        if rest.dropna().size > best.size:
+            best = rest.dropna()
+    return best

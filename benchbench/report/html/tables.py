@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from benchbench.analysis.costs import cost_matrix, run_by_all
+from benchbench.analysis.costs import comparable, cost_matrix
 from benchbench.analysis.means import three_means
 from benchbench.analysis.wilson import Rate
+from benchbench.report.html.charts.profiles import left_out
 from benchbench.report.html.charts.success import Success, success
 from benchbench.storage.schema import COLUMNS
 
@@ -98,18 +99,18 @@ def mean_rows(runs: pd.DataFrame, time_limit: float | None) -> tuple[list[list[s
     time_limit: s, the price of a failure; None takes the slowest certified run.
     """
     table = cost_matrix(runs, "solve_cpu_s")
-    costs = run_by_all(table)
+    costs = comparable(table)
     values = costs.to_numpy(float)
     finite = values[np.isfinite(values)]
     if not finite.size:
-        return [], "No problem was tried by every method with a certified plan."
+        return [], "No problem that every method was tried on was solved."
     slowest = float(finite.max())
     penalty = max(time_limit or 0.0, slowest)
     source = "the time limit" if penalty == time_limit else "the slowest certified run"
     common = int(np.isfinite(values).all(axis=1).sum())
     note = (
         f"Shift {SHIFT_S:g} s, {len(costs)} problems tried by every method, {common} solved by every method; "
-        f"a failure costs {penalty:.3g} s ({source})."
+        f"a failure costs {penalty:.3g} s ({source}).{left_out(table, costs)}"
     )
     means = three_means(costs, SHIFT_S, penalty)
     return [[method, _s(m.own), _s(m.common), _s(m.penalised)] for method, m in means.items()], note

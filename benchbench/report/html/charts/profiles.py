@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from benchbench.analysis.costs import cost_matrix, run_by_all
+from benchbench.analysis.costs import comparable, cost_matrix
 from benchbench.analysis.profiles import Step, data_profile, performance_profile
 from benchbench.report.html.charts.chart import Chart, Styles, figure, line, logarithmic
 
@@ -45,18 +45,30 @@ def data(runs: pd.DataFrame, styles: Styles) -> Chart:
     )
 
 
+def left_out(table: pd.DataFrame, costs: pd.DataFrame) -> str:
+    """Say which methods and how many problems of a table of costs are not compared."""
+    methods = ", ".join(map(str, table.columns.difference(costs.columns)))
+    problems = len(table) - len(costs)
+    texts = [f"{methods} (tried on few of the problems)"] if methods else []
+    texts += (
+        [f"{problems} problem{'s' if problems > 1 else ''} that not every method was tried on"]
+        if problems
+        else []
+    )
+    return f" Left out: {'; '.join(texts)}." if texts else ""
+
+
 def _costs(runs: pd.DataFrame, column: str) -> tuple[pd.DataFrame, str]:
-    """Costs of the problems that can be compared, and what a reader must know about them."""
+    """Costs of what can be compared, and what a reader must know about them."""
     table = cost_matrix(runs, column)
-    costs = run_by_all(table).clip(lower=LEAST)
+    costs = comparable(table).clip(lower=LEAST)
     if not np.isfinite(table.to_numpy()).any():
         return costs.iloc[:0], "No run has a certified plan, so there is no cost to compare."
     if not np.isfinite(costs.to_numpy()).any():
         return costs.iloc[
             :0
         ], "No problem that every method was tried on was solved, so nothing can be compared."
-    left = len(table) - len(costs)
-    return costs, f" {left} problems that some method was not tried on are left out." if left else ""
+    return costs, left_out(table, costs)
 
 
 def _draw(
