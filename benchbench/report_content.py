@@ -10,6 +10,7 @@ import pandas as pd
 from omegaconf import DictConfig, OmegaConf
 
 from benchbench import config
+from benchbench.analysis.costs import solve_time
 from benchbench.analysis.naming import flatten, name_runs
 from benchbench.errors import BadInput
 from benchbench.hydra_errors import EXPECTED
@@ -45,6 +46,7 @@ def content(folders: Sequence[Path], title: str | None, most: int) -> Report:
     trees = [configuration(folder) for folder in found.folders]
     settings = [None if tree is None else flatten(tree) for tree in trees]
     runs = name_runs(found.rows.to_pandas(types_mapper=PANDAS.get), settings)
+    runs = runs.assign(solve_s=solve_time(runs))
     records = found.rows.to_pylist()
     plans, missing = [], []
     candidates = [i for i in best_first(runs) if _has_plan(found.folders[i])]

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchbench.analysis.costs import comparable, cost_matrix
+from benchbench.analysis.costs import comparable, cost_matrix, solve_time
 from benchbench.analysis.means import shifted_geometric_mean, three_means
 from benchbench.analysis.naming import flatten, name_runs
 from benchbench.analysis.profiles import data_profile, performance_profile
@@ -114,6 +114,13 @@ def test_methods_tried_on_few_problems_do_not_spoil_the_comparison() -> None:
     everything = costs.fillna(1.0)
     assert comparable(everything).equals(everything)
     assert comparable(pd.DataFrame({"a": [1.0, np.nan], "b": [np.nan, 1.0]})).shape == (1, 1)
+
+
+def test_times_of_repeats_and_of_single_solves_are_never_mixed() -> None:
+    runs = pd.DataFrame({"solve_cpu_s": [1.0, 2.0, None], "solve_cpu_median_s": [0.5, 1.5, None]})
+    assert solve_time(runs).tolist()[:2] == [0.5, 1.5]
+    runs.loc[1, "solve_cpu_median_s"] = None
+    assert solve_time(runs).tolist()[:2] == [1.0, 2.0]
 
 
 def runs_of(*rows: dict[str, Any]) -> pd.DataFrame:

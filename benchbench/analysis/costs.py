@@ -6,6 +6,16 @@ import numpy as np
 import pandas as pd
 
 
+def solve_time(runs: pd.DataFrame) -> pd.Series:
+    """CPU time (s) of the solver: the median of the repeats if every run that has a time was repeated.
+
+    Otherwise the time of the one solve, which all have: repeats start warm, so the two are never mixed.
+    """
+    median = runs.solve_cpu_median_s.astype(float)
+    once = runs.solve_cpu_s.astype(float)
+    return median if median.notna().any() and median[once.notna()].notna().all() else once
+
+
 def cost_matrix(runs: pd.DataFrame, cost: str, success: str = "certified") -> pd.DataFrame:
     """Costs (problems x methods): the median over repeats, a failed run costing infinity.
 

@@ -49,7 +49,7 @@ class PlanView:
 class Report:
     """Everything the page shows.
 
-    runs      named runs, see benchbench.analysis.naming
+    runs      named runs, see benchbench.analysis.naming, with their `solve_s`, see benchbench.analysis.costs
     settings  flat configuration of each run, None where it is not known
     plans     those shown, best first
     missing   why other plans are not shown, one sentence each

@@ -98,7 +98,7 @@ def mean_rows(runs: pd.DataFrame, time_limit: float | None) -> tuple[list[list[s
 
     time_limit: s, the price of a failure; None takes the slowest certified run.
     """
-    table = cost_matrix(runs, "solve_cpu_s")
+    table = cost_matrix(runs, "solve_s")
     costs = comparable(table)
     values = costs.to_numpy(float)
     finite = values[np.isfinite(values)]

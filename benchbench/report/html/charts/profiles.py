@@ -22,7 +22,7 @@ def performance(runs: pd.DataFrame, styles: Styles) -> Chart:
         "Share of problems for which a method finds a certified plan within τ times the CPU time of the fastest "
         "method (Dolan and Moré 2002). Left edge: how often it is the fastest; right edge: how often it succeeds."
     )
-    costs, note = _costs(runs, "solve_cpu_s")
+    costs, note = _costs(runs, "solve_s")
     if costs.empty:
         return Chart(title, text, missing=note)
     return _draw(Chart(title, text + note), performance_profile(costs), styles, "time ratio τ", start=1.0)

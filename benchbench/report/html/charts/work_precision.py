@@ -7,7 +7,7 @@ import pandas as pd
 from benchbench.report.html.charts.chart import Chart, Styles, figure, logarithmic
 from benchbench.report.html.charts.scatter import add_runs
 
-ERROR, WORK = "replay_defect_position_m", "solve_cpu_s"
+ERROR, WORK = "replay_defect_position_m", "solve_s"
 
 
 def chart(runs: pd.DataFrame, styles: Styles) -> Chart:

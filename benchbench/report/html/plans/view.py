@@ -103,10 +103,11 @@ def _box(scene: Scene) -> tuple[Array, Array]:
 
 def _space(scene: Scene) -> dict[str, Any]:
     low, high = _box(scene)
+    ticks = np.maximum(np.rint(7 * (high - low) / np.max(high - low)), 2)
     axes = {
         f"{name}axis": {
             "title": {"text": f"{name} [m]"}, "range": [float(low[i]), float(high[i])], "gridcolor": GRID,
-            "backgroundcolor": "#FAFAFA", "showbackground": True, "zeroline": False, "nticks": 6, "color": FAINT,
+            "backgroundcolor": "#FAFAFA", "showbackground": True, "zeroline": False, "nticks": int(ticks[i]), "color": FAINT,
         }
         for i, name in enumerate("xyz")
     }  # fmt: skip
