@@ -75,11 +75,11 @@ def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
     `config` is the composed configuration as YAML. Raises BadInput("output", ...) when the disk refuses.
     """
     from benchbench.report.picture import draw
-    from benchbench.storage.files import write_bytes, write_record
+    from benchbench.storage.files import PLAN, write_bytes, write_record
     from benchbench.storage.recording import write_mcap
     from benchbench.storage.table import append
 
-    paths = {"config": folder / "config.yaml", "plan": folder / "plan.mcap", "picture": folder / "plan.png"}
+    paths = {"config": folder / "config.yaml", "plan": folder / PLAN, "picture": folder / "plan.png"}
     case, plan, flight = done.case, done.result.plan, done.certificate.flight
     write_bytes(paths["config"], config.encode())
     paths["record"] = write_record(folder, done.record)

@@ -97,18 +97,22 @@ def _label_curves(axes: Axes, panel: Panel) -> None:
 
 
 def _zoom(axes: Axes, panel: Panel) -> None:
-    """Show plan and limits whole; a replay that runs away may leave the plot."""
+    axes.set_ylim(span(panel))
+    if panel.logarithmic:  # zeros stay at the lower edge
+        axes.set_yscale("log", nonpositive="clip")
+
+
+def span(panel: Panel) -> tuple[float, float]:
+    """Range that shows plan and limits whole; a replay that runs away may leave the plot."""
     planned = np.concatenate([(curve.dots or curve.line)[1] for curve in panel.curves])
     limits = [limit for curve in panel.curves for limit in (curve.lower, curve.upper)]
     shown = np.concatenate([planned, limits])
     low, high = np.min(shown[np.isfinite(shown)]), np.max(shown[np.isfinite(shown)])
-    if panel.logarithmic:  # zeros stay at the lower edge
-        axes.set_ylim(min(curve.upper for curve in panel.curves) / 20, 2 * high)
-        axes.set_yscale("log", nonpositive="clip")
-        return
+    if panel.logarithmic:
+        return min(curve.upper for curve in panel.curves) / 20, float(2 * high)
     replayed = np.clip(np.concatenate([curve.line[1] for curve in panel.curves]), *_stretch(low, high, 0.3))
     low, high = np.nanmin([low, *replayed]), np.nanmax([high, *replayed])
-    axes.set_ylim(_stretch(low, high, 0.08))
+    return _stretch(low, high, 0.08)
 
 
 def _stretch(low: float, high: float, share: float) -> tuple[float, float]:

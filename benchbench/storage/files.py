@@ -12,7 +12,7 @@ from typing import Any
 
 from benchbench.errors import BadInput
 
-RECORD = "record.json"
+RECORD, PLAN = "record.json", "plan.mcap"
 TEMPORARY_SUFFIX = ".tmp"
 
 

@@ -15,11 +15,10 @@ from typing import Any
 
 import pandas as pd
 import pyarrow as pa
-import pyarrow.csv
 import pyarrow.parquet as pq
 
-from benchbench.errors import BadInput
 from benchbench.storage.files import RECORD, write_bytes
+from benchbench.storage.formats import WRITERS, format_of
 from benchbench.storage.schema import COLUMNS, Record, make_record
 
 LOG = logging.getLogger(__name__)
@@ -31,7 +30,7 @@ _ARROW = {
     "bool": pa.bool_(),
     "strings": pa.list_(pa.string()),
 }
-_PANDAS = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
+PANDAS = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
 _RUN_ID = re.compile(r"[\w][\w.+=-]*")
 
 SCHEMA = pa.schema(
@@ -58,7 +57,7 @@ def read(root: Path) -> pd.DataFrame:
 
     Integers and booleans use pandas' nullable types. A file that is no row is logged and left out.
     """
-    return _load(root).to_pandas(types_mapper=_PANDAS.get)
+    return _load(root).to_pandas(types_mapper=PANDAS.get)
 
 
 def rebuild(root: Path) -> tuple[int, dict[Path, str]]:
@@ -72,7 +71,7 @@ def rebuild(root: Path) -> tuple[int, dict[Path, str]]:
     problems: dict[Path, str] = {}
     for source in sorted(root.rglob(RECORD)):
         try:
-            path = append(_load_record(source), root)
+            path = append(load_record(source), root)
         except (OSError, ValueError, TypeError) as error:
             problems[source] = f"{type(error).__name__}: {error}"
             continue
@@ -86,16 +85,8 @@ def rebuild(root: Path) -> tuple[int, dict[Path, str]]:
 
 
 def export(root: Path, path: Path) -> None:
-    """Write the whole table to one .parquet, .csv or .md file; raises BadInput for another suffix.
-
-    CSV and Markdown join the texts of `reasons` by "; "; Markdown leaves out empty columns.
-    """
-    writers = {".parquet": _parquet, ".csv": _csv, ".md": _markdown}
-    if path.suffix not in writers:
-        raise BadInput(
-            "export", f"cannot write '{path.name}'", "a file name that ends in " + ", ".join(writers)
-        )
-    write_bytes(path, writers[path.suffix](_load(root)))
+    """Write the whole table to one .parquet, .csv, .md or .tex file; raises BadInput for another suffix."""
+    write_bytes(path, WRITERS[format_of(path)](_load(root)))
 
 
 def folder(root: Path) -> Path:
@@ -109,13 +100,13 @@ def _load(root: Path) -> pa.Table:
         try:
             with pq.ParquetFile(path) as file:
                 row = file.read(use_threads=False)
-            rows.append(row if row.schema.equals(SCHEMA) else _conform(row))
+            rows.append(row if row.schema.equals(SCHEMA) else conform(row))
         except (OSError, pa.ArrowException) as error:
             LOG.warning("left out %s, which is not a row of the table: %s", path, error)
     return pa.concat_tables(rows).cast(SCHEMA)
 
 
-def _conform(table: pa.Table) -> pa.Table:
+def conform(table: pa.Table) -> pa.Table:
     """Give a row of any schema version today's columns; what it does not have is empty."""
     columns = [
         table[field.name].cast(field.type)
@@ -126,7 +117,8 @@ def _conform(table: pa.Table) -> pa.Table:
     return pa.table(columns, schema=SCHEMA)
 
 
-def _load_record(path: Path) -> Record:
+def load_record(path: Path) -> Record:
+    """Read a `record.json` of any schema version; raises OSError, ValueError or TypeError for anything else."""
     values = json.loads(path.read_text())
     if not isinstance(values, dict):
         raise TypeError("not a record")
@@ -140,35 +132,3 @@ def _row(table: pa.Table) -> bytes:
         table, sink, compression="none", use_dictionary=False, write_statistics=False, store_schema=False
     )
     return sink.getvalue().to_pybytes()
-
-
-def _parquet(table: pa.Table) -> bytes:
-    sink = pa.BufferOutputStream()
-    pq.write_table(table, sink)
-    return sink.getvalue().to_pybytes()
-
-
-def _flat(table: pa.Table) -> pa.Table:
-    joined = [None if texts is None else "; ".join(texts) for texts in table["reasons"].to_pylist()]
-    place = table.column_names.index("reasons")
-    return table.set_column(place, "reasons", pa.array(joined, pa.string()))
-
-
-def _csv(table: pa.Table) -> bytes:
-    sink = pa.BufferOutputStream()
-    pyarrow.csv.write_csv(_flat(table), sink)
-    return sink.getvalue().to_pybytes()
-
-
-def _markdown(table: pa.Table) -> bytes:
-    used = [name for name in table.column_names if table[name].null_count < table.num_rows]
-    lines = [used, ["---"] * len(used)]
-    lines += [[_cell(row[name]) for name in used] for row in _flat(table).select(used).to_pylist()]
-    return "".join(f"| {' | '.join(line)} |\n" for line in lines).encode()
-
-
-def _cell(value: Any) -> str:
-    if value is None:
-        return ""
-    text = f"{value:.6g}" if isinstance(value, float) else str(value)
-    return text.replace("|", "\\|").replace("\n", " ")

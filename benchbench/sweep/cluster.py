@@ -59,7 +59,7 @@ class Cluster:
                 for task in tasks
             }
             try:
-                for future in as_completed(futures, raise_errors=False):
+                for future in cast("Any", as_completed)(futures, raise_errors=False):
                     task, error = futures[future], future.exception()
                     if error is None:
                         yield task, self._received(task, *future.result())

@@ -1,0 +1,89 @@
+"""Names of what was compared: the method and the problem of each run, no longer than they must be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+METHOD = ("dynamics", "relaxation", "solver", "strategy", "guess")
+PROBLEM = ("scenario", "vehicle")
+NUMBERS = {"intervals": "N", "kappa_init": "κ", "seed": "seed"}
+"""Columns of the table that tell problems apart, and how they are written."""
+NEITHER = ("output", "workers", "rerun", "hard_limit", "memory_limit_mb", "seed", "time_limit", "repeats")
+"""Fields of the configuration that are no part of a name."""
+
+Settings = Mapping[str, Any]
+"""One configuration, flat: "relaxation.schedule" -> value."""
+
+
+def flatten(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """Turn a nested configuration into dotted names; lists stay values."""
+    flat: dict[str, Any] = {}
+    for key, value in tree.items():
+        name = f"{prefix}{key}"
+        flat |= flatten(value, f"{name}.") if isinstance(value, Mapping) and value else {name: value}
+    return flat
+
+
+def name_runs(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> pd.DataFrame:
+    """Return the runs with the columns `method`, `task` and `problem` (a task at one N and kappa_init) added.
+
+    A choice is named where it is not the same in all runs, and so is an option in which runs of the same
+    choice differ. settings: the configuration of each run, None where it is not known.
+    """
+    choices = {family: _with_options(runs, settings, family) for family in (*METHOD, *PROBLEM)}
+    general = _options(settings, range(len(runs)), lambda name: "." not in name and name not in NEITHER)
+    judged = _options(settings, range(len(runs)), lambda name: name.startswith("certificate."))
+    method = _join([*_varying({f: choices[f] for f in METHOD}, ("relaxation", "solver")), general])
+    task = _join([*_varying({f: choices[f] for f in PROBLEM}, ("scenario",)), judged])
+    numbers = [[_number(label, value) for value in runs[column]] for column, label in NUMBERS.items()]
+    keep = numbers[:2] + ([numbers[2]] if len(set(numbers[2])) > 1 else [])
+    problem = _join([task, *keep], ", ")
+    return runs.assign(method=method, task=task, problem=problem)
+
+
+def _with_options(runs: pd.DataFrame, settings: Sequence[Settings | None], family: str) -> list[str]:
+    """Name of the choice of each run, with the options in which runs of the same choice differ."""
+    names = [str(name) if isinstance(name, str) else "unknown" for name in runs[family]]
+    for choice in set(names):
+        same = [i for i, name in enumerate(names) if name == choice]
+        for i, text in zip(same, _options(settings, same, lambda name: _optional(name, family)), strict=True):
+            names[i] += f" ({text})" if text else ""
+    return names
+
+
+def _optional(name: str, family: str) -> bool:
+    section, _, option = name.partition(".")
+    return section == family and option not in ("name", *NUMBERS)
+
+
+def _options(settings: Sequence[Settings | None], among: Sequence[int], wanted: Any) -> list[str]:
+    """For each of the runs `among`, its values of the wanted fields that differ among them."""
+    known = [settings[i] for i in among]
+    fields = sorted({name for one in known if one is not None for name in one if wanted(name)})
+    differ = [f for f in fields if len({str(one.get(f)) for one in known if one is not None}) > 1]
+    return [
+        "" if one is None else " ".join(f"{_short(f, differ)}={one.get(f)}" for f in differ) for one in known
+    ]
+
+
+def _short(field: str, others: Sequence[str]) -> str:
+    """The last part of a dotted name, if that is clear enough."""
+    last = field.rpartition(".")[2]
+    return last if sum(other.rpartition(".")[2] == last for other in others) == 1 else field.partition(".")[2]
+
+
+def _varying(names: Mapping[str, list[str]], otherwise: Sequence[str]) -> list[list[str]]:
+    """The columns of names that differ between runs, or those in `otherwise` if none does."""
+    varying = [column for column in names.values() if len(set(column)) > 1]
+    return varying or [names[family] for family in otherwise]
+
+
+def _number(label: str, value: Any) -> str:
+    return "" if pd.isna(value) else f"{label}={int(value)}"
+
+
+def _join(columns: Sequence[Sequence[str]], separator: str = " / ") -> list[str]:
+    return [separator.join(filter(None, parts)) for parts in zip(*columns, strict=True)]

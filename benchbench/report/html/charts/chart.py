@@ -1,0 +1,99 @@
+"""What every chart has in common: its words, its look, one style per method."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from math import ceil, floor, log10
+
+import plotly.graph_objects as go
+
+from benchbench.report.style import CURVES, FAINT, INK
+
+DASHES = ("solid", "dash", "dot", "dashdot")
+SYMBOLS = ("circle", "square", "diamond", "triangle-up")
+FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
+GRID = "#E6E6E6"
+CLEAR = "rgba(0,0,0,0)"
+HEIGHT_PX, ROW_PX, LEGEND_ROW_PX = 330, 34, 22
+KEY_LETTERS, LEGEND_LETTERS = 7, 56
+"""Width of a legend's key and of a legend on a narrow page, in letters."""
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A figure with its title and how to read it; `missing` says why there is no figure."""
+
+    title: str
+    text: str
+    figure: go.Figure | None = None
+    missing: str = ""
+
+
+@dataclass(frozen=True)
+class Style:
+    """How a method is drawn everywhere in the report."""
+
+    color: str
+    dash: str
+    symbol: str
+
+
+Styles = Mapping[str, Style]
+
+
+def styles(methods: Iterable[str]) -> dict[str, Style]:
+    """Give each method a style of its own; neighbours differ in colour and symbol, all in colour and dash."""
+    count = len(CURVES)
+    return {
+        method: Style(CURVES[i % count], DASHES[i // count % len(DASHES)], SYMBOLS[i % len(SYMBOLS)])
+        for i, method in enumerate(dict.fromkeys(methods))
+    }
+
+
+def figure(x: str = "", y: str = "", height: int = HEIGHT_PX, names: Iterable[str] = ()) -> go.Figure:
+    """Return an empty figure in the report's look with axis titles, and room for a legend of these names."""
+    rows = ceil(sum(len(name) + KEY_LETTERS for name in names) / LEGEND_LETTERS)
+    bottom = 52 + LEGEND_ROW_PX * rows
+    made = go.Figure()
+    axis = {
+        "gridcolor": GRID, "zeroline": False, "linecolor": FAINT, "showline": True, "ticks": "outside",
+        "tickcolor": FAINT, "automargin": True,
+    }  # fmt: skip
+    made.update_layout(
+        template="none", height=height + LEGEND_ROW_PX * rows, font={"family": FONT, "size": 13, "color": INK},
+        margin={"l": 56, "r": 16, "t": 26, "b": bottom}, xaxis={**axis, "title": {"text": x, "standoff": 8}},
+        yaxis={**axis, "title": {"text": y, "standoff": 8}}, paper_bgcolor=CLEAR, plot_bgcolor=CLEAR,
+        legend={
+            "orientation": "h", "yref": "container", "y": 0.0, "yanchor": "bottom", "x": 0.0, "xanchor": "left",
+            "traceorder": "normal",
+        },
+        modebar={"bgcolor": CLEAR, "color": FAINT, "activecolor": INK}, hovermode="closest",
+        hoverlabel={"font": {"family": FONT}},
+    )  # fmt: skip
+    return made
+
+
+def bars(x: str, methods: int, names: Iterable[str]) -> go.Figure:
+    """Return an empty figure for one horizontal bar per method, stacked from the named parts."""
+    made = figure(x, height=ROW_PX * methods + 90, names=names)
+    made.update_layout(barmode="stack", bargap=0.35)
+    made.update_xaxes(rangemode="tozero")
+    made.update_yaxes(autorange="reversed", ticks="", showgrid=False, ticklabelstandoff=6)
+    return made
+
+
+def line(style: Style) -> dict[str, object]:
+    """The line of a method."""
+    return {"color": style.color, "dash": style.dash, "width": 2}
+
+
+def logarithmic(made: go.Figure, axis: str, values: Iterable[float]) -> None:
+    """Make an axis logarithmic, with labels at powers of ten, or at 1, 2, 5 where the values span few of them."""
+    known = [value for value in values if value > 0]
+    made.update_layout({axis: {"type": "log", "dtick": 1, "exponentformat": "power"}})
+    made.update_layout({axis: {"minor": {"ticks": "outside", "dtick": "D1", "showgrid": False}}})
+    if known and max(known) < 100 * min(known):
+        lowest, highest = floor(log10(min(known))), ceil(log10(max(known)))
+        ticks = [digit * 10.0**power for power in range(lowest, highest + 1) for digit in (1, 2, 5)]
+        made.update_layout({axis: {"tickvals": ticks, "ticktext": [f"{tick:.3g}" for tick in ticks]}})

@@ -1,0 +1,134 @@
+"""Everything that is limited, over time, with a cursor that follows the slider."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from html import escape
+from math import ceil
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from plotly.subplots import make_subplots
+
+from benchbench.report.html.charts.chart import CLEAR, FONT, GRID
+from benchbench.report.panel import Curve, Panel, Points, span
+from benchbench.report.style import CONTACT, CURVES, FAINT, INK, LIMIT
+
+COLUMNS, ROW_PX = 2, 128
+
+
+def limits(panels: Sequence[Panel], windows: Sequence[tuple[float, float]], travel_time: float) -> go.Figure:
+    """Return small plots of the panels; the shapes named `cursor` follow the time."""
+    rows = max(ceil(len(panels) / COLUMNS), 1)
+    titles = [_title(panel) for panel in panels]
+    made = make_subplots(
+        rows, COLUMNS, subplot_titles=titles, vertical_spacing=0.36 / rows, horizontal_spacing=0.1
+    )
+    for i, panel in enumerate(panels):
+        row, column = divmod(i, COLUMNS)
+        _draw(made, panel, row + 1, column + 1)
+    axis = {"gridcolor": GRID, "zeroline": False, "tickcolor": FAINT, "tickfont": {"size": 10}, "nticks": 5}
+    made.update_xaxes(range=[0.0, travel_time], **axis)
+    made.update_yaxes(**axis, exponentformat="power")
+    made.update_annotations(font={"size": 12, "color": INK})
+    made.update_layout(
+        template="none", height=ROW_PX * rows + 20, font={"family": FONT, "color": INK, "size": 11}, showlegend=False,
+        margin={"l": 44, "r": 10, "t": 24, "b": 24}, paper_bgcolor=CLEAR, plot_bgcolor=CLEAR,
+        modebar={"bgcolor": CLEAR, "color": FAINT, "activecolor": INK},
+        hovermode="closest", shapes=[*_cursors(len(panels)), *_windows(len(panels), windows), *_bounds(panels)],
+    )  # fmt: skip
+    return made
+
+
+def _title(panel: Panel) -> str:
+    """Quantity and unit, and the names of several curves in their colours."""
+    title = f"{panel.title} [{panel.unit}]"
+    if len(panel.curves) == 1:
+        return title
+    labels = [curve.label.replace("_", " ") for curve in panel.curves]
+    words, _, last = zip(*(label.rpartition(" ") for label in labels), strict=True)
+    if len(set(words)) == 1:  # motor 1, motor 2, ...
+        labels = [labels[0], *last[1:]]
+    pairs = zip(labels, _colors(panel), strict=True)
+    names = [f'<span style="color:{color}">{escape(label)}</span>' for label, color in pairs]
+    return f"{title}: {' '.join(names)}"
+
+
+def _draw(made: go.Figure, panel: Panel, row: int, column: int) -> None:
+    low, high = span(panel)
+    for curve, color in zip(panel.curves, _colors(panel), strict=True):
+        for trace in _traces(curve, color, panel.unit, low if panel.logarithmic else -np.inf):
+            made.add_trace(trace, row, column)
+    if panel.logarithmic:
+        made.update_yaxes(type="log", dtick=1, range=np.log10([low, high]).tolist(), row=row, col=column)
+    else:
+        made.update_yaxes(range=[low, high], row=row, col=column)
+
+
+def _traces(curve: Curve, color: str, unit: str, floor: float) -> list[go.Scatter]:
+    """Line and dots of a curve; what is below `floor` stays at the lower edge, as zeros on a logarithmic axis."""
+    name = curve.label.replace("_", " ")
+    hover = f"%{{y:.4g}} {unit} at %{{x:.3f}} s<extra>{name}</extra>"
+    x, y = _points(curve.line, floor)
+    traces = [go.Scatter(x=x, y=y, mode="lines", line={"color": color, "width": 1.4}, hovertemplate=hover)]
+    if curve.dots is not None:
+        x, y = _points(curve.dots, floor)
+        traces.append(
+            go.Scatter(x=x, y=y, mode="markers", marker={"color": color, "size": 3}, hovertemplate=hover)
+        )
+    return traces
+
+
+def _points(points: Points, floor: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    return points[0].astype(np.float32), np.maximum(points[1], floor).astype(np.float32)
+
+
+def _colors(panel: Panel) -> list[str]:
+    return [CURVES[i % len(CURVES)] for i in range(len(panel.curves))]
+
+
+def _limit_colors(panel: Panel) -> list[str]:
+    """Grey where all curves share their limits."""
+    shared = len({(curve.lower, curve.upper) for curve in panel.curves}) == 1
+    return [LIMIT] * len(panel.curves) if shared else _colors(panel)
+
+
+def _cursors(count: int) -> list[dict[str, Any]]:
+    return [
+        {
+            "type": "line",
+            "name": "cursor",
+            **_place(i),
+            "x0": 0.0,
+            "x1": 0.0,
+            "line": {"color": INK, "width": 1},
+        }
+        for i in range(count)
+    ]
+
+
+def _windows(count: int, windows: Sequence[tuple[float, float]]) -> list[dict[str, Any]]:
+    look = {"fillcolor": CONTACT, "opacity": 0.3, "line": {"color": CONTACT, "width": 1.5}, "layer": "below"}
+    return [{"type": "rect", **_place(i), "x0": a, "x1": b, **look} for i in range(count) for a, b in windows]
+
+
+def _bounds(panels: Sequence[Panel]) -> Iterator[dict[str, Any]]:
+    """A dashed line per limit; curves with the same limits share it."""
+    for i, panel in enumerate(panels):
+        pairs = zip(panel.curves, _limit_colors(panel), strict=True)
+        lines = {(v, color): None for c, color in pairs for v in (c.lower, c.upper) if np.isfinite(v)}
+        for value, color in lines:
+            across = {"xref": f"x{_number(i)} domain", "x0": 0.0, "x1": 1.0, "yref": f"y{_number(i)}"}
+            look = {"color": color, "width": 1.2, "dash": "dash"}
+            yield {"type": "line", **across, "y0": value, "y1": value, "line": look}
+
+
+def _place(index: int) -> dict[str, Any]:
+    return {"xref": f"x{_number(index)}", "yref": f"y{_number(index)} domain", "y0": 0.0, "y1": 1.0}
+
+
+def _number(index: int) -> str:
+    """Plotly's axes are x, x2, x3, ..."""
+    return "" if index == 0 else str(index + 1)

@@ -1,0 +1,144 @@
+"""The vehicle in space, animated."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import plotly.graph_objects as go
+
+from benchbench.plan import Array
+from benchbench.report.html.charts.chart import CLEAR, FONT, GRID
+from benchbench.report.style import ARM, FAINT, FRAME, INK, TARGET, TOOL
+from benchbench.report.views import Scene, skeleton
+
+FRAMES = 60
+"""About how many instants are shown; those in contact always are."""
+MARGIN_M = 0.15
+LENGTH = 1.3
+"""Length of the longest axis, in Plotly's unit; a longer one leaves the picture."""
+
+
+def view(scene: Scene) -> go.Figure:
+    """Return the 3D view: paths, and the vehicle, end effector and target at the time of the slider.
+
+    Frames are named by their time in s; the last four traces move.
+    """
+    nodes = frame_nodes(scene)
+    still = _paths(scene)
+    moving = list(range(len(still), len(still) + 4))
+    frames = [go.Frame(name=_name(scene, k), data=_moving(scene, k), traces=moving) for k in nodes]
+    made = go.Figure([*still, *_moving(scene, nodes[0])], frames=frames)
+    made.update_layout(
+        template="none", scene=_space(scene), font={"family": FONT, "color": INK, "size": 12},
+        margin={"l": 0, "r": 0, "t": 0, "b": 0}, height=560, paper_bgcolor=CLEAR, modebar={"bgcolor": CLEAR, "color": FAINT, "activecolor": INK},
+        legend={"orientation": "h", "y": 1.0, "yanchor": "bottom", "x": 0}, uirevision="keep",
+        sliders=[_slider([frame.name for frame in frames])], updatemenus=[_buttons(scene, len(frames))],
+    )  # fmt: skip
+    return made
+
+
+def frame_nodes(scene: Scene) -> list[int]:
+    """Nodes that are shown: evenly spaced, with both ends and every node in contact."""
+    even = np.linspace(0, scene.plan.intervals, min(FRAMES, scene.plan.intervals + 1))
+    return sorted({*np.rint(even).astype(int).tolist(), *scene.contact_nodes})
+
+
+def _name(scene: Scene, node: int) -> str:
+    return f"{scene.plan.time[node]:.3f}"
+
+
+def _paths(scene: Scene) -> list[go.Scatter3d]:
+    lines = [("target path", scene.target, TARGET, 3), ("end effector, planned", scene.tool, TOOL, 4)]
+    if scene.flown is not None:
+        lines.append(("end effector, replayed", _inside(scene, scene.flown), INK, 2))
+    return [
+        _line(points, color, width, name=name, hoverinfo="skip", showlegend=i > 0)
+        for i, (name, points, color, width) in enumerate(lines)
+    ]
+
+
+def _moving(scene: Scene, node: int) -> list[go.Scatter3d]:
+    lines = skeleton(scene, node)
+    frame = [points for name, points in lines.items() if "arm" not in name]
+    arm = [points for name, points in lines.items() if "arm" in name]
+    return [
+        _line(_joined(frame), FRAME, 7, name="vehicle", hoverinfo="skip"),
+        _line(_joined(arm), ARM, 7, name="arm", hoverinfo="skip"),
+        _dot(scene.tool[node], TOOL, "circle", "end effector"),
+        _dot(scene.target[node], TARGET, "square", "target"),
+    ]
+
+
+def _line(points: Array, color: str, width: float, **more: Any) -> go.Scatter3d:
+    x, y, z = np.asarray(points, np.float32).T
+    return go.Scatter3d(x=x, y=y, z=z, mode="lines", line={"color": color, "width": width}, **more)
+
+
+def _dot(point: Array, color: str, symbol: str, name: str) -> go.Scatter3d:
+    x, y, z = ([float(value)] for value in point)
+    return go.Scatter3d(
+        x=x, y=y, z=z, mode="markers", name=name, marker={"color": color, "size": 5, "symbol": symbol},
+        hovertemplate="x %{x:.3f}, y %{y:.3f}, z %{z:.3f} m<extra>" + name + "</extra>",
+    )  # fmt: skip
+
+
+def _joined(lines: list[Array]) -> Array:
+    """Several lines (n, 3) as one, with gaps."""
+    gap = np.full((1, 3), np.nan)
+    return np.concatenate([part for line in lines for part in (line, gap)] or [gap])
+
+
+def _inside(scene: Scene, path: Array) -> Array:
+    """The path without what lies outside the space that is shown."""
+    low, high = _box(scene)
+    return np.where(np.all((path >= low) & (path <= high), axis=1, keepdims=True), path, np.nan)
+
+
+def _box(scene: Scene) -> tuple[Array, Array]:
+    drawn = [scene.tool, scene.target, *(p for k in frame_nodes(scene) for p in skeleton(scene, k).values())]
+    points = np.concatenate(drawn)
+    return np.nanmin(points, axis=0) - MARGIN_M, np.nanmax(points, axis=0) + MARGIN_M
+
+
+def _space(scene: Scene) -> dict[str, Any]:
+    low, high = _box(scene)
+    ticks = np.maximum(np.rint(7 * (high - low) / np.max(high - low)), 2)
+    axes = {
+        f"{name}axis": {
+            "title": {"text": f"{name} [m]"}, "range": [float(low[i]), float(high[i])], "gridcolor": GRID,
+            "backgroundcolor": "#FAFAFA", "showbackground": True, "zeroline": False, "nticks": int(ticks[i]), "color": FAINT,
+        }
+        for i, name in enumerate("xyz")
+    }  # fmt: skip
+    size = high - low
+    share = size / np.max(size) * LENGTH
+    return {
+        **axes, "aspectmode": "manual", "aspectratio": dict(zip("xyz", share.tolist(), strict=True)),
+        "domain": {"x": [0.0, 1.0], "y": [0.14, 1.0]}, "camera": {"eye": {"x": -0.85, "y": -1.4, "z": 0.75}},
+    }  # fmt: skip
+
+
+def _slider(names: list[str]) -> dict[str, Any]:
+    at_once = {"mode": "immediate", "frame": {"duration": 0, "redraw": True}, "transition": {"duration": 0}}
+    return {
+        "steps": [{"method": "animate", "label": name, "args": [[name], at_once]} for name in names],
+        "currentvalue": {"prefix": "t = ", "suffix": " s", "font": {"size": 14, "color": INK}, "xanchor": "right"}, "active": 0,
+        "x": 0.0, "len": 1.0, "y": 0.0, "yanchor": "bottom", "pad": {"t": 6, "b": 6, "l": 14, "r": 14}, "ticklen": 0, "minorticklen": 0,
+        "font": {"color": "rgba(0,0,0,0)", "size": 1},
+    }  # fmt: skip
+
+
+def _buttons(scene: Scene, frames: int) -> dict[str, Any]:
+    """Play in real time, and pause."""
+    pace = 1000 * scene.plan.travel_time / max(frames, 1)
+    play = {"fromcurrent": True, "frame": {"duration": pace, "redraw": True}, "transition": {"duration": 0}}
+    stop = {"mode": "immediate", "frame": {"duration": 0, "redraw": False}, "transition": {"duration": 0}}
+    return {
+        "type": "buttons", "direction": "left", "showactive": False, "x": 0.0, "xanchor": "left", "y": 0.07,
+        "yanchor": "bottom", "pad": {"l": 8},
+        "buttons": [
+            {"label": "▶", "method": "animate", "args": [None, play]},
+            {"label": "❚❚", "method": "animate", "args": [[None], stop]},
+        ],
+    }  # fmt: skip

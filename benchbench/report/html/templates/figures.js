@@ -1,0 +1,37 @@
+"use strict";
+// Draws the figures, and the plan that is open; one 3D view at a time, since browsers allow few.
+(() => {
+  const read = (element) => JSON.parse(element.textContent);
+
+  for (const place of document.querySelectorAll(".figure")) {
+    const figure = read(place.firstElementChild);
+    place.replaceChildren();
+    Plotly.newPlot(place, figure);
+  }
+
+  const moveCursor = (limits, time) => {
+    const change = {};
+    limits.layout.shapes.forEach((shape, i) => {
+      if (shape.name === "cursor") change[`shapes[${i}].x0`] = change[`shapes[${i}].x1`] = time;
+    });
+    Plotly.relayout(limits, change);
+  };
+
+  const open = async (plan) => {
+    const view = plan.querySelector(".view"), limits = plan.querySelector(".limits");
+    await Plotly.newPlot(limits, read(plan.querySelector(".limits-data")));
+    await Plotly.newPlot(view, read(plan.querySelector(".view-data")));
+    view.on("plotly_animatingframe", (event) => moveCursor(limits, Number(event.name)));
+    plan.dataset.drawn = "yes";
+  };
+
+  const close = (plan) => {
+    for (const place of plan.querySelectorAll(".view, .limits")) Plotly.purge(place);
+    delete plan.dataset.drawn;
+  };
+
+  for (const plan of document.querySelectorAll("details.plan")) {
+    plan.addEventListener("toggle", () => (plan.open ? open(plan) : close(plan)));
+    if (plan.open) open(plan);
+  }
+})();

@@ -1,0 +1,93 @@
+"""A recording read back: the plan, its replay and the configuration that made it."""
+
+from __future__ import annotations
+
+import json
+from collections import defaultdict
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchbench.certificate.replay import Replay
+from benchbench.errors import Unavailable
+from benchbench.plan import Array, Interpolation, Plan
+
+TOPICS = [
+    "/plan/configuration", "/plan/velocity", "/plan/inputs", "/plan/progress",
+    "/replay/configuration", "/replay/velocity",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Recording:
+    """What a recording holds; `flight` is None if there was no replay, `config` the composed YAML."""
+
+    plan: Plan
+    flight: Replay | None
+    config: str
+
+
+@dataclass(frozen=True)
+class _Table:
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    time: Array
+    values: Array
+
+
+def read_mcap(path: Path) -> Recording:
+    """Read what `write_mcap` wrote.
+
+    Raises OSError where the file cannot be read, ValueError where it is cut off or no recording of a plan,
+    Unavailable where the package mcap is not installed.
+    """
+    try:
+        from mcap.exceptions import McapError
+        from mcap.reader import make_reader
+    except ImportError:
+        raise Unavailable("recordings: mcap is not installed; pip install 'benchbench[report]'") from None
+    rows: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    schemas: dict[str, dict[str, Any]] = {}
+    try:
+        with path.open("rb") as file:
+            reader = make_reader(file)
+            for schema, channel, message in reader.iter_messages(topics=TOPICS):
+                rows[channel.topic].append(json.loads(message.data))
+                if schema is not None and channel.topic not in schemas:
+                    schemas[channel.topic] = json.loads(schema.data)
+            config = next((m.metadata.get("config", "") for m in reader.iter_metadata()), "")
+    except McapError as error:
+        raise ValueError(f"cannot be read: {type(error).__name__} {error}".rstrip()) from None
+    tables = {topic: _table(schemas[topic], rows[topic]) for topic in schemas}
+    missing = [topic for topic in TOPICS[:4] if topic not in tables]
+    if missing:
+        raise ValueError(f"no recording of a plan: {', '.join(missing)} missing")
+    plan = _plan(tables)
+    return Recording(plan, _flight(tables, plan), config)
+
+
+def _table(schema: dict[str, Any], rows: list[dict[str, Any]]) -> _Table:
+    units = {name: field["description"] for name, field in schema["properties"].items() if name != "time"}
+    values = [[np.nan if row[name] is None else row[name] for name in units] for row in rows]
+    time = np.array([row["time"] for row in rows], float)
+    return _Table(tuple(units), tuple(units.values()), time, np.array(values, float))
+
+
+def _plan(tables: dict[str, _Table]) -> Plan:
+    q, v, u, progress = (tables[topic] for topic in TOPICS[:4])
+    interpolation: Interpolation = {len(q.time) - 1: "hold", len(q.time): "linear"}.get(len(u.time), "bezier")  # type: ignore[assignment]
+    return Plan(
+        q.time, q.values, v.values, u.values, progress.values[:, 0], interpolation,
+        q.names, q.units, u.names, u.units,
+    )  # fmt: skip
+
+
+def _flight(tables: dict[str, _Table], plan: Plan) -> Replay | None:
+    if TOPICS[4] not in tables or TOPICS[5] not in tables:
+        return None
+    q, v = (tables[topic] for topic in TOPICS[4:])
+    nodes = np.clip(np.searchsorted(q.time, plan.time), 0, len(q.time) - 1)
+    complete = bool(np.isfinite(q.values).all())
+    return Replay(q.time, q.values, v.values, nodes, (), None if complete else float(q.time[-1]))

@@ -1,0 +1,404 @@
+"""`benchbench report`: what the page says is true, also for the odd cases, and it needs nothing but itself."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from browser import address, browser, errors
+from selenium.webdriver import ActionChains, Keys
+from selenium.webdriver.common.by import By
+from selenium.webdriver.remote.webdriver import WebDriver
+from selenium.webdriver.support.ui import WebDriverWait
+from test_picture import curved_plan, dense, task, vehicle
+from test_program import Done, assert_refused, program, records
+from test_table import row
+
+from benchbench.report.html.page import render
+from benchbench.report.html.plans.view import FRAMES, frame_nodes, view
+from benchbench.report.views import scene
+from benchbench.report_content import best_first, content
+from benchbench.storage.files import write_record
+from benchbench.storage.playback import read_mcap
+from benchbench.storage.recording import write_mcap
+
+SWEEP = (
+    "+scenario=static,linear",
+    "scenario.intervals=20,100",
+    "dynamics=verlet,midpoint",
+    "strategy=phases",
+)
+RUNS = 9
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Done]:
+    """A real sweep, one run that crashed and a broken record, and the report on them."""
+    folder = tmp_path_factory.mktemp("report")
+    assert program(folder, "-m", *SWEEP).stdout.splitlines()[-1].endswith("of 8 runs certified")
+    write_record(
+        folder / "results" / "runs" / "crash",
+        row("crash", status="crash", certified=False, travel_time_s=None),
+    )
+    (folder / "results" / "broken").mkdir()
+    (folder / "results" / "broken" / "record.json").write_text("{")
+    return folder, program(folder, "report", "results", "--plans", "3")
+
+
+@pytest.fixture
+def results(made: tuple[Path, Done], tmp_path: Path) -> Path:
+    """A copy to damage."""
+    return Path(shutil.copytree(made[0] / "results", tmp_path / "results"))
+
+
+def only(results: Path, count: int, **wanted: Any) -> list[Path]:
+    """Keep that many runs with these values, and no table; returns their folders."""
+    shutil.rmtree(results / "table")
+    kept = []
+    for path in sorted(results.rglob("record.json")):
+        try:
+            record = records(path.parent)[0]
+        except ValueError:
+            record = {}
+        if len(kept) < count and all(record.get(key) == value for key, value in wanted.items()):
+            kept.append(path.parent)
+        else:
+            shutil.rmtree(path.parent)
+    assert len(kept) == count
+    return kept
+
+
+def page_text(path: Path) -> str:
+    return re.sub("<script.*?</script>|<style.*?</style>", "", path.read_text(), flags=re.DOTALL)
+
+
+def test_the_program_says_what_it_wrote(made: tuple[Path, Done]) -> None:
+    done = made[1]
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f"{RUNS} runs, 3 plans in report.html (")
+    assert "left out" in done.stderr and "broken/record.json: JSONDecodeError" in done.stderr
+
+
+def test_the_rates_are_those_of_the_records(made: tuple[Path, Done]) -> None:
+    found = content([made[0] / "results"], None, 0)
+    certified = sum(record["certified"] for record in found.runs.to_dict("records"))
+    assert 0 < certified < RUNS
+    text = page_text(made[0] / "report.html")
+    share = f"{100 * certified / RUNS:.0f} % ("
+    assert re.search(rf"<dt>certified</dt><dd>{re.escape(share)}", text)
+    assert "broken/record.json" in text and "crash" in text
+    assert "3 of 8 plans are shown" in text
+
+
+def test_the_file_refers_to_nothing_outside(made: tuple[Path, Done]) -> None:
+    text = page_text(made[0] / "report.html")
+    assert not re.search(r"""(src|href)=["'](?!#|data:)""", text)
+    assert "default-src 'none'" in text
+
+
+def test_settings_versions_and_machine_are_told(made: tuple[Path, Done]) -> None:
+    text = page_text(made[0] / "report.html")
+    record = next(r for r in records(made[0] / "results" / "sweeps"))
+    for column in ("casadi_version", "python_version", "platform", "solver_version"):
+        assert record[column] in text
+    assert '<th scope="row">scenario.intervals</th><td>20, 100</td>' in text
+    assert "quadrotor_mass: 1.659" in text
+
+
+def test_best_plans_come_first_and_each_problem_gets_one() -> None:
+    rows = [("p", 2.0, True), ("p", 1.0, False), ("q", 9.0, True), ("p", 3.0, True), ("q", None, False)]
+    runs = pd.DataFrame(rows, columns=["problem", "travel_time_s", "certified"])
+    assert best_first(runs) == [0, 2, 3, 1, 4]
+
+
+@pytest.mark.parametrize("interpolation", ["hold", "linear", "bezier"])
+def test_a_recording_gives_plan_and_replay_back(interpolation: str, tmp_path: Path) -> None:
+    model, plan = vehicle(), curved_plan(vehicle(), 0.2)
+    rows = {"hold": plan.intervals, "linear": plan.intervals + 1, "bezier": 4 * plan.intervals}[interpolation]
+    inputs = np.arange(rows * 5.0).reshape(rows, 5)
+    plan = replace(plan, inputs=inputs, interpolation=interpolation)
+    flight = dense(plan)
+    flight.configuration[-3:] = np.nan
+    write_mcap(tmp_path / "plan.mcap", plan, flight, task(), model, {"config": "a: 1"})
+    back = read_mcap(tmp_path / "plan.mcap")
+    assert back.config == "a: 1"
+    for name in ("time", "configuration", "velocity", "inputs", "progress"):
+        np.testing.assert_array_equal(getattr(back.plan, name), getattr(plan, name))
+    for name in ("interpolation", "coordinate_names", "coordinate_units", "input_names", "input_units"):
+        assert getattr(back.plan, name) == getattr(plan, name)
+    np.testing.assert_array_equal(back.flight.configuration, flight.configuration)
+    np.testing.assert_array_equal(back.flight.nodes, flight.nodes)
+
+
+def test_a_recording_without_replay_is_read(tmp_path: Path) -> None:
+    write_mcap(tmp_path / "plan.mcap", curved_plan(vehicle()), None, task(), vehicle(), {})
+    assert read_mcap(tmp_path / "plan.mcap").flight is None
+
+
+def test_the_frames_show_the_plan(tmp_path: Path) -> None:
+    model, plan = vehicle(), curved_plan(vehicle(), n=200)
+    shown = scene(plan, task(), model, dense(plan))
+    nodes = frame_nodes(shown)
+    assert {0, 17, 18, 200} <= set(nodes) and FRAMES <= len(nodes) <= FRAMES + 2
+    figure = view(shown)
+    for node, frame in zip(nodes, figure.frames, strict=True):
+        assert float(frame.name) == pytest.approx(plan.time[node], abs=1e-3)
+        tool = frame.data[2]
+        assert [tool.x[0], tool.y[0], tool.z[0]] == pytest.approx(shown.tool[node])
+        assert np.nanmean(frame.data[0].x[:2]) == pytest.approx(plan.configuration[node, 0], abs=1e-5)
+
+
+def test_a_replay_that_runs_away_does_not_set_the_scale() -> None:
+    model, plan = vehicle(), curved_plan(vehicle())
+    flight = dense(plan)
+    flight.configuration[150:, :3] += 1e3
+    space = view(scene(plan, task(), model, flight)).layout.scene
+    assert space.xaxis.range[1] < 4 and space.zaxis.range[1] < 2
+
+
+def test_one_run(results: Path) -> None:
+    only(results, 1, certified=True)
+    report = content([results], "One", 5)
+    assert len(report.plans) == 1 and report.runs.method.tolist() == ["scholtes / ipopt"]
+    assert "<title>One</title>" in render(report)
+
+
+def test_no_certified_run(results: Path) -> None:
+    only(results, 2, certified=False, intervals=20)
+    text = render(content([results], None, 5))
+    assert text.count("No run has a certified plan, so there is no cost to compare.") == 2
+    assert "not certified</span>" in text
+
+
+def test_no_plan_at_all(results: Path) -> None:
+    only(results, 1, status="crash")
+    text = render(content([results], None, 5))
+    for says in (
+        "No run has a recorded plan.",
+        "No run has a plan.",
+        "No run has a plan whose error was measured.",
+    ):
+        assert says in text
+
+
+@pytest.mark.parametrize(
+    ("damage", "says"),
+    [
+        (lambda run: (run / "plan.mcap").write_bytes((run / "plan.mcap").read_bytes()[:5000]), "cannot be read"),
+        (lambda run: (run / "plan.mcap").write_bytes(b""), "cannot be read"),
+        (lambda run: [(run / p).unlink() for p in ("config.yaml", ".hydra/config.yaml")], "configuration is missing"),
+        (lambda run: (run / "config.yaml").write_text("vehicle: {_target_: not.Here}"), "scenario"),
+        (lambda run: (run / "config.yaml").write_text((run / "config.yaml").read_text().replace(
+            "aerial_manipulator.AerialManipulator", "gone.Gone")), "cannot be loaded"),
+    ],
+)  # fmt: skip
+def test_a_plan_that_cannot_be_shown_is_told(results: Path, damage: Any, says: str) -> None:
+    bad, _ = only(results, 2, certified=True)
+    damage(bad)
+    report = content([results], None, 5)
+    assert len(report.plans) == 1 and len(report.runs) == 2
+    assert len(report.missing) == 1 and says in report.missing[0]
+
+
+def test_a_row_without_its_folder_is_a_run(results: Path) -> None:
+    shutil.rmtree(results / "sweeps")
+    report = content([results], None, 5)
+    assert len(report.runs) == RUNS and not report.plans
+
+
+@pytest.mark.parametrize(
+    ("arguments", "field", "says"),
+    [
+        ((), "benchbench report", "DIR"),
+        (("nowhere",), "nowhere", "no such folder"),
+        (("empty",), "empty", "no run was found"),
+        (("results", "--plans", "-1"), "--plans", "-1"),
+        (("results", "--output", "empty"), "output", "cannot write"),
+    ],
+)
+def test_bad_arguments_are_bad_input(
+    made: tuple[Path, Done], arguments: tuple[str, ...], field: str, says: str
+) -> None:
+    (made[0] / "empty").mkdir(exist_ok=True)
+    done = program(made[0], "report", *arguments)
+    if "results" in arguments:  # the broken record is told first
+        done.stderr = "".join(done.stderr.partition("benchbench: bad input")[1:])
+    assert_refused(done, field, says)
+
+
+@pytest.mark.parametrize("package", ["plotly", "jinja2"])
+def test_without_the_extra_the_remedy_is_named(package: str, tmp_path: Path) -> None:
+    script = f"import sys; sys.modules[{package!r}] = None; from benchbench.application import start; " \
+             f"sys.exit(start(['report', {str(tmp_path)!r}]))"  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=100, check=False
+    )
+    assert done.returncode == 2
+    assert "pip install 'benchbench[report]'" in done.stderr
+
+
+@pytest.fixture(scope="module")
+def page(made: tuple[Path, Done]) -> Iterator[WebDriver]:
+    """The report in a browser, as wide as a desk's."""
+    with browser(1400) as driver:
+        opened(driver, made[0] / "report.html")
+        yield driver
+
+
+def opened(driver: WebDriver, path: Path) -> None:
+    driver.get(address(path))
+    wait(driver, "return document.querySelectorAll('.figure .main-svg').length > 0")
+    wait(
+        driver,
+        "return !document.querySelector('details.plan') || !!document.querySelector('details.plan[data-drawn]')",
+    )
+
+
+def wait(driver: WebDriver, script: str, *values: object) -> None:
+    WebDriverWait(driver, 60).until(lambda d: d.execute_script(script, *values))
+
+
+def state(driver: WebDriver) -> dict[str, Any]:
+    """What the open plan shows: end effector, time in words, the cursors of the limits."""
+    return driver.execute_script("""
+        const plan = document.querySelector("details.plan[open]");
+        const view = plan.querySelector(".view"), limits = plan.querySelector(".limits");
+        const tool = view._fullData.find((trace) => trace.name === "end effector");
+        return {
+            run: plan.dataset.run, tool: [tool.x[0], tool.y[0], tool.z[0]],
+            told: view.querySelector(".slider-label").textContent,
+            cursors: limits.layout.shapes.filter((s) => s.name === "cursor").map((s) => s.x0),
+        };""")
+
+
+def test_the_page_loads_without_an_error_and_without_the_network(page: WebDriver) -> None:
+    figures, drawn = page.execute_script(
+        "return [document.querySelectorAll('.figure').length, document.querySelectorAll('.figure > .plot-container').length]"
+    )
+    assert figures == drawn == 8
+    assert errors(page) == []
+    loaded = page.execute_script("return performance.getEntriesByType('resource').map((entry) => entry.name)")
+    assert [name for name in loaded if not name.startswith(("data:", "blob:"))] == []
+
+
+def test_the_slider_moves_the_vehicle_as_planned(page: WebDriver, made: tuple[Path, Done]) -> None:
+    before = state(page)
+    rail = page.find_element(By.CSS_SELECTOR, "details.plan[open] .slider-rail-touch-rect")
+    page.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", rail)
+    ActionChains(page).move_to_element_with_offset(rail, 60, 0).click().perform()
+    WebDriverWait(page, 20).until(lambda d: state(d)["tool"] != before["tool"])
+    after = state(page)
+    time = float(after["told"].removeprefix("t = ").removesuffix(" s"))
+    assert after["cursors"] == [time] * len(after["cursors"]) and len(after["cursors"]) > 8
+    recording = made[0] / "results" / "sweeps"
+    folder = next(
+        path.parent
+        for path in recording.rglob("record.json")
+        if records(path.parent)[0]["run_id"] == after["run"]
+    )
+    plan = read_mcap(folder / "plan.mcap").plan
+    node = int(np.argmin(np.abs(plan.time - time)))
+    assert plan.time[node] == pytest.approx(time, abs=1e-3)
+    assert plan.travel_time / 2 < time < plan.travel_time
+    assert np.linalg.norm(after["tool"] - plan.configuration[node, :3]) == pytest.approx(0.232, abs=0.01)
+    assert errors(page) == []
+
+
+def test_play_flies_on_from_where_it_is(page: WebDriver) -> None:
+    before = state(page)
+    page.find_elements(By.CSS_SELECTOR, "details.plan[open] .updatemenu-button")[0].click()
+    WebDriverWait(page, 20).until(lambda d: state(d)["cursors"][0] > before["cursors"][0])
+    assert errors(page) == []
+
+
+def test_one_plan_is_open_at_a_time(page: WebDriver) -> None:
+    first = page.find_element(By.CSS_SELECTOR, "details.plan[open]").get_attribute("data-run")
+    page.find_elements(By.CSS_SELECTOR, "details.plan > summary")[1].click()
+    wait(page, "return document.querySelectorAll('details.plan[data-drawn]').length === 1 && "
+               "document.querySelector('details.plan[data-drawn]').dataset.run !== arguments[0]", first)  # fmt: skip
+    assert len(page.find_elements(By.CSS_SELECTOR, "details.plan canvas")) == 1
+    assert errors(page) == []
+
+
+def column(page: WebDriver, name: str) -> list[str]:
+    """Texts of a column of the table of runs, of the rows that are shown."""
+    return page.execute_script(
+        """
+        const table = document.getElementById("run-table");
+        const heads = [...table.querySelectorAll("th")].map((head) => head.textContent);
+        const rows = [...table.tBodies[0].rows].filter((row) => row.checkVisibility());
+        return rows.map((row) => row.cells[heads.indexOf(arguments[0])].dataset.key);""",
+        name,
+    )
+
+
+def test_sorting_puts_numbers_in_order_and_empty_cells_last(page: WebDriver) -> None:
+    head = page.find_element(By.XPATH, "//th/button[text()='travel time s']")
+    for reverse in (False, True):
+        head.click()
+        shown = column(page, "travel time s")
+        known = [float(value) for value in shown[:-1]]
+        assert len(shown) == RUNS and shown[-1] == "" and known == sorted(known, reverse=reverse)
+    page.find_element(By.XPATH, "//th/button[text()='scenario']").click()
+    assert column(page, "scenario") == sorted(column(page, "scenario"))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "shown"),
+    [
+        ("intervals", "=100", ["100"] * 4), ("intervals", "<50", ["20"] * 5), ("intervals", "50..200", ["100"] * 4),
+        ("dynamics", "MID", ["midpoint"] * 4), ("status", "!certified", ["crash"]), ("scenario", "nothing", []),
+    ],
+)  # fmt: skip
+def test_filters(page: WebDriver, name: str, text: str, shown: list[str]) -> None:
+    field = page.find_element(By.CSS_SELECTOR, f"input[aria-label='filter {name}']")
+    field.send_keys(text)
+    try:
+        assert column(page, name) == shown
+        assert page.find_element(By.ID, "shown").text == f"{len(shown)} of {RUNS} runs shown."
+    finally:
+        field.send_keys(Keys.CONTROL, "a", Keys.DELETE)
+    assert len(column(page, name)) == RUNS
+
+
+def test_a_run_leads_to_its_plan(page: WebDriver) -> None:
+    link = page.find_elements(By.CSS_SELECTOR, "#run-table button.link")[-1]
+    run = link.text
+    link.click()
+    wait(page, "return document.querySelector('details.plan[data-drawn]')?.dataset.run === arguments[0]", run)
+
+
+@pytest.mark.parametrize("width", [480, 1400])
+def test_nothing_sticks_out_of_the_page(made: tuple[Path, Done], width: int) -> None:
+    with browser(width) as driver:
+        opened(driver, made[0] / "report.html")
+        assert driver.execute_script("return document.documentElement.scrollWidth") <= width
+
+
+def test_texts_of_a_record_stay_texts(tmp_path: Path) -> None:
+    evil = "</script><script>window.hit = 1</script><img src=x onerror='window.hit = 1'>"
+    values = {
+        "solver": evil,
+        "status": "crash",
+        "certified": False,
+        "reasons": [evil],
+        "solver_version": evil,
+    }
+    for name in ("a", "b"):
+        write_record(tmp_path / "results" / name, row(name, **{**values, "relaxation": evil + name}))
+    done = program(tmp_path, "report", "results", "--title", evil)
+    assert done.returncode == 0, done.stderr
+    with browser(1400) as driver:
+        opened(driver, tmp_path / "report.html")
+        assert driver.execute_script("return window.hit") is None
+        assert evil in driver.find_element(By.CSS_SELECTOR, "#success-rates").text
+        assert errors(driver) == []
