@@ -11,12 +11,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import hydra
 import pandas as pd
 import pytest
+from hydra.core.global_hydra import GlobalHydra
+from omegaconf import OmegaConf, open_dict
 from test_launcher import BAD, RUNS, SWEEP, answers, path_with_bad_runs
 from test_program import program, records
 
+from benchbench import config
+from benchbench.execution import Ended
 from benchbench.storage.table import read
+from benchbench.sweep import remote
+from benchbench.sweep.job import Job
 
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="kills process groups")
@@ -31,7 +38,7 @@ def started(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
         process = subprocess.Popen(
             [sys.executable, "-m", "distributed.cli." + arguments[0], *arguments[1:]], cwd=folder, stdout=log,
             stderr=log, start_new_session=True,
-            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path_with_bad_runs(), "DASK_DISTRIBUTED__COMM__TIMEOUTS__TCP": "5s"},
+            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path_with_bad_runs()},
         )  # fmt: skip
     try:
         yield process
@@ -89,6 +96,35 @@ def test_a_lost_worker_costs_nothing(tmp_path: Path) -> None:
     assert f"{RUNS} of {RUNS} runs are in the table" in again.stdout
     pd.testing.assert_frame_equal(answers(far / "results"), answers(local / "results"))
     assert len(list(far.rglob("plan.mcap"))) == RUNS
+
+
+def test_files_come_back_without_a_shared_file_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started_in = tmp_path / "elsewhere"
+    started_in.mkdir()
+    monkeypatch.chdir(started_in)
+    with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
+        overrides = ["+scenario=static", "strategy=phases", "scenario.intervals=12", "hydra.mode=MULTIRUN"]
+        cfg = hydra.compose("config", overrides, return_hydra_config=True)
+        search_path = GlobalHydra.instance().config_loader().get_search_path()
+        for key, value in {
+            "runtime.cwd": str(started_in),
+            "sweep.subdir": "0",
+            "job.num": 0,
+            "job.id": "0",
+        }.items():
+            with open_dict(cfg):
+                OmegaConf.update(cfg, f"hydra.{key}", value)
+        job = Job(1, cfg)
+        task = (job, job.place(), job.settings())
+    monkeypatch.chdir(tmp_path)
+    started_in.rmdir()
+    end, files = remote.run(task, search_path)
+    assert isinstance(end, Ended), end
+    assert end.record is not None and end.record["status"] == "uncertified"
+    assert {"record.json", "plan.mcap", "plan.png", "config.yaml"} <= files.keys()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_bad_runs_cost_their_row_and_no_worker(tmp_path: Path) -> None:

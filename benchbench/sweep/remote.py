@@ -5,13 +5,16 @@ Dask's workers are daemonic and may not have multiprocessing children; a plain c
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pickle
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from hydra.core.config_search_path import ConfigSearchPath
+from omegaconf import read_write
 
 from benchbench.errors import Crash
 from benchbench.execution import Ended
@@ -23,19 +26,30 @@ _PROGRAM = "from benchbench.sweep.remote import main; main()"
 
 
 def run(task: Task, search_path: ConfigSearchPath) -> tuple[Ended | Exception, Files]:
-    """Carry out one task and return its end and its files; called by a worker of the cluster."""
-    done = subprocess.run(
-        [sys.executable, "-c", _PROGRAM], input=pickle.dumps((task, search_path)), capture_output=True,
-        env={**os.environ, "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1")}, check=False,
-    )  # fmt: skip
-    if done.returncode:
-        said = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
-        return Crash(
-            f"the run's process on the cluster ended with exit code {done.returncode}: {''.join(said)}"
-        ), {}
-    end: Ended | Exception = pickle.loads(done.stdout)
-    folder = task[1].folder
-    return end, {str(path.relative_to(folder)): path.read_bytes() for path in _files(folder)}
+    """Carry out one task and return its end and its files; called by a worker of the cluster.
+
+    It runs where the sweep was started if that folder is here too, and otherwise in one that is removed.
+    """
+    job, folder = task[0], task[1].folder
+    started = Path(str(job.config.hydra.runtime.cwd))
+    below = folder.relative_to(started) if folder.is_relative_to(started) else None
+    with contextlib.ExitStack() as stack:
+        cwd = str(started)
+        if not started.is_dir():
+            cwd = stack.enter_context(tempfile.TemporaryDirectory())
+            with read_write(job.config.hydra.runtime):
+                job.config.hydra.runtime.cwd = cwd
+                job.config.hydra.runtime.output_dir = str(folder if below is None else Path(cwd, below))
+        done = subprocess.run(
+            [sys.executable, "-c", _PROGRAM], input=pickle.dumps((task, search_path)), capture_output=True, cwd=cwd,
+            env={**os.environ, "OMP_NUM_THREADS": os.environ.get("OMP_NUM_THREADS", "1")}, check=False,
+        )  # fmt: skip
+        if done.returncode:
+            said = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
+            how = f"ended with exit code {done.returncode}"
+            return Crash(f"the run's process on the cluster {how}: {''.join(said)}"), {}
+        end: Ended | Exception = pickle.loads(done.stdout)
+        return end, _files(folder if below is None else Path(cwd, below))
 
 
 def main() -> None:
@@ -51,5 +65,6 @@ def main() -> None:
         pickle.dump(ends[0], out)
 
 
-def _files(folder: Path) -> list[Path]:
-    return [path for path in folder.rglob("*") if path.is_file()]
+def _files(folder: Path) -> Files:
+    paths = [path for path in folder.rglob("*") if path.is_file()]
+    return {str(path.relative_to(folder)): path.read_bytes() for path in paths}
