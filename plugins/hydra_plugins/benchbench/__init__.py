@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from hydra.core.config_store import ConfigStore
+from hydra.core.plugins import Plugins
 from hydra.core.utils import JobReturn, JobStatus, configure_log, setup_globals
 from hydra.plugins.launcher import Launcher
+from hydra.plugins.sweeper import Sweeper
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, open_dict
 
@@ -24,6 +26,16 @@ ConfigStore.instance().store(
     node={"_target_": "hydra_plugins.benchbench.DaskLauncher", "scheduler": None, "patience": 600.0},
     provider="benchbench",
 )
+ConfigStore.instance().store(
+    group="hydra/sweeper",
+    name="optuna",
+    node={
+        "_target_": "hydra_plugins.benchbench.OptunaSweeper",
+        "study_name": "tune", "storage": None, "n_trials": 20, "objectives": ["travel_time_s", "solve_cpu_s"],
+        "sampler": "tpe", "seed": 0, "prune": False, "over": ["scenario", "seed"],
+    },
+    provider="benchbench",
+)  # fmt: skip
 
 
 class IsolatedLauncher(Launcher):
@@ -75,3 +87,39 @@ class DaskLauncher(IsolatedLauncher):
         from benchbench.sweep.cluster import Cluster
 
         return Cluster.of(self._scheduler, self._patience)
+
+
+class OptunaSweeper(Sweeper):
+    """Tunes swept fields with Optuna; swept fields named in `over` are the problems that every trial plans."""
+
+    def __init__(self, over: Sequence[str], storage: str | None, **task: Any) -> None:
+        """Take what hydra.sweeper says, see `benchbench.tuning.task`."""
+        self._over, self._storage, self._asked = tuple(over), storage, task
+
+    def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
+        """Keep what Hydra gives."""
+        self._config, self._task = config, task_function
+        self._launcher = Plugins.instance().instantiate_launcher(
+            hydra_context=hydra_context, task_function=task_function, config=config
+        )
+
+    def sweep(self, arguments: list[str]) -> None:
+        """Run the study. Raises BadInput."""
+        try:
+            import optuna  # noqa: F401
+        except ImportError:
+            from benchbench.errors import BadInput
+
+            raise BadInput(
+                "hydra/sweeper", "optuna is not installed", "pip install 'benchbench[tune]'"
+            ) from None
+        from benchbench.tuning import run
+
+        folder = Path(str(self._config.output), "tune", str(self._asked["study_name"])).absolute()
+        storage = self._storage or f"sqlite:///{folder / 'study.db'}"
+        code = run.run(arguments, self._over, self._asked | {"storage": storage}, folder, self._plan)
+        self._task.codes[:] = [code]  # type: ignore[attr-defined]
+
+    def _plan(self, folder: Path, runs: Sequence[Sequence[str]], first: int) -> None:
+        ours = ("rerun=all", f"hydra.sweep.dir='{folder}'")
+        self._launcher.launch([[*run, *ours] for run in runs], first)

@@ -1,0 +1,74 @@
+"""`benchbench tune SPACE.yaml [OVERRIDE ...]`: short for `-m hydra/sweeper=optuna` with everything in one file."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from omegaconf import OmegaConf
+from omegaconf.errors import OmegaConfBaseException
+from yaml import YAMLError  # type: ignore[import-untyped]
+
+from benchbench.errors import BadInput
+
+SETTINGS = ("study_name", "storage", "n_trials", "objectives", "sampler", "seed", "prune", "over")
+PARTS = ("space", "problems", "fixed", *SETTINGS)
+USAGE = "benchbench tune SPACE.yaml [OVERRIDE ...], see docs/tuning.md"
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Return 0 if a trial has all its plans certified, 1 if none has; raises BadInput."""
+    from benchbench import application
+
+    if not arguments or arguments[0] in ("-h", "--help"):
+        print(USAGE)
+        return 0 if arguments else 2
+    return application.start(["-m", *overrides(Path(arguments[0])), *arguments[1:]])
+
+
+def overrides(path: Path) -> list[str]:
+    """Return what the file says as overrides of the main command. Raises BadInput."""
+    try:
+        told = OmegaConf.to_container(OmegaConf.load(path))
+    except OSError as error:
+        raise BadInput(
+            str(path), f"cannot be read: {error.strerror}", "a YAML file with a search space"
+        ) from None
+    except (YAMLError, OmegaConfBaseException, UnicodeDecodeError) as error:
+        raise BadInput(str(path), f"is no YAML: {error}") from None
+    if not isinstance(told, dict) or not told.get("space"):
+        raise BadInput(
+            f"{path}: space", "is missing", "fields and what they may be, as in N: range(20,100,10)"
+        )
+    for key in told:
+        if key not in PARTS:
+            raise BadInput(f"{path}: {key}", "does not exist", ", ".join(PARTS))
+    problems = _mapping(path, told, "problems")
+    found = ["hydra/sweeper=optuna"]
+    found += [f"hydra.sweeper.{key}={_text(told[key])}" for key in SETTINGS if key in told]
+    if "over" not in told and problems:
+        found.append(f"hydra.sweeper.over={_text([key.lstrip('+') for key in problems])}")
+    found += [f"{key}=choice({','.join(map(_text, _listed(value)))})" for key, value in problems.items()]
+    found += [f"{key}={_text(value)}" for key, value in _mapping(path, told, "fixed").items()]
+    found += [f"{key}={_text(value)}" for key, value in _mapping(path, told, "space").items()]
+    return found
+
+
+def _mapping(path: Path, told: dict[Any, Any], part: str) -> dict[str, Any]:
+    value = told.get(part) or {}
+    if not isinstance(value, dict):
+        raise BadInput(f"{path}: {part}", f"{value!r} was given", "a mapping from fields to values")
+    return {str(key): entry for key, entry in value.items()}
+
+
+def _listed(value: Any) -> list[Any]:
+    return value if isinstance(value, list) else [value]
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{','.join(map(_text, value))}]"
+    if value is None or isinstance(value, bool):
+        return {None: "null", True: "true", False: "false"}[value]
+    return str(value)

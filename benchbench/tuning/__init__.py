@@ -1,0 +1,1 @@
+"""Search for a better configuration: trials of Optuna over certified plans."""

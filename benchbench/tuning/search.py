@@ -1,0 +1,75 @@
+"""The trials: ask Optuna, plan every problem in isolated workers, judge by certified plans only."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import optuna
+from optuna.trial import Trial, TrialState
+
+from benchbench.tuning.space import Space
+from benchbench.tuning.task import Task
+
+WORST = 1e9
+"""Objective of a plan that is not certified; its constraint keeps the trial from being called good."""
+
+Plan = Callable[[int, Sequence[Sequence[str]]], Sequence[Mapping[str, Any] | None]]
+"""Carries out runs, each given by its overrides, for the trial of that number; gives their records."""
+
+
+def search(task: Task, study: optuna.Study, space: Space, plan: Plan, told: Callable[[str], None]) -> None:
+    """Do `task.n_trials` trials."""
+    for _ in range(task.n_trials):
+        trial = study.ask(space.tuned)
+        chosen = tuple(f"{field}={value}" for field, value in trial.params.items())
+        runs = [(*space.fixed, *problem, *chosen) for problem in space.problems]
+        batches = [[run] for run in runs] if task.prune else [runs]
+        done: list[Mapping[str, Any] | None] = []
+        for batch in batches:
+            done += plan(trial.number, batch)
+            if task.prune:
+                trial.report(_cost(done[-1], task.objectives[0]), len(done) - 1)
+                if len(done) < len(runs) and trial.should_prune():
+                    break
+        bad = sum(not (record and record["certified"]) for record in done)
+        _tell(task, study, trial, done, bad, len(runs))
+        told(_line(trial.number, study.trials[trial.number].values, task.objectives, len(done), bad, chosen))
+
+
+def _tell(
+    task: Task,
+    study: optuna.Study,
+    trial: Trial,
+    done: Sequence[Mapping[str, Any] | None],
+    bad: int,
+    runs: int,
+) -> None:
+    trial.set_constraint("uncertified", bad)
+    trial.set_user_attr("uncertified", bad)
+    if len(done) < runs:
+        study.tell(trial, state=TrialState.PRUNED)
+        return
+    study.tell(trial, [sum(_cost(record, name) for record in done) for name in task.objectives])
+
+
+def _cost(record: Mapping[str, Any] | None, name: str) -> float:
+    value = record[name] if record and record["certified"] else None
+    return WORST if value is None else float(value)
+
+
+def _line(
+    number: int,
+    values: Sequence[float] | None,
+    names: Sequence[str],
+    done: int,
+    bad: int,
+    chosen: Sequence[str],
+) -> str:
+    if bad:
+        verdict = f"{bad} of {done} plans not certified"
+    elif values is None:
+        verdict = f"pruned after {done}"
+    else:
+        verdict = ", ".join(f"{name} {value:.4f}" for name, value in zip(names, values, strict=True))
+    return f"trial {number}: {verdict}: {' '.join(chosen)}"
