@@ -30,7 +30,7 @@ def run(arguments: Sequence[str]) -> int:
 def overrides(path: Path) -> list[str]:
     """Return what the file says as overrides of the main command. Raises BadInput."""
     try:
-        told = OmegaConf.to_container(OmegaConf.load(path))
+        told: Any = OmegaConf.to_container(OmegaConf.load(path))
     except OSError as error:
         raise BadInput(
             str(path), f"cannot be read: {error.strerror}", "a YAML file with a search space"
@@ -59,7 +59,7 @@ def _mapping(path: Path, told: dict[Any, Any], part: str) -> dict[str, Any]:
     value = told.get(part) or {}
     if not isinstance(value, dict):
         raise BadInput(f"{path}: {part}", f"{value!r} was given", "a mapping from fields to values")
-    return {str(key): entry for key, entry in value.items()}
+    return {f"{key!s}": entry for key, entry in value.items()}
 
 
 def _listed(value: Any) -> list[Any]:

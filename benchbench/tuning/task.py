@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import random
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,9 +14,12 @@ from benchbench.storage.schema import COLUMNS
 
 if TYPE_CHECKING:
     import optuna
+    from optuna.storages import JournalStorage
 
 SAMPLERS = ("tpe", "nsga2", "random")
 JOURNAL = "journal:"
+TRIES = 8
+"""How often to try to open a database that answers with an error."""
 
 
 @dataclass(frozen=True)
@@ -67,10 +72,6 @@ class Task:
         from optuna.storages.journal import JournalFileBackend
 
         optuna.logging.set_verbosity(optuna.logging.WARNING)
-        samplers = {
-            "tpe": optuna.samplers.TPESampler, "nsga2": optuna.samplers.NSGAIISampler,
-            "random": optuna.samplers.RandomSampler,
-        }  # fmt: skip
         try:
             storage: str | JournalStorage = self.storage
             if self.storage.startswith(JOURNAL):
@@ -79,11 +80,7 @@ class Task:
                 storage = JournalStorage(JournalFileBackend(str(path)))
             elif self.storage.startswith("sqlite:///"):
                 Path(self.storage.removeprefix("sqlite:///")).parent.mkdir(parents=True, exist_ok=True)
-            study = optuna.create_study(
-                study_name=self.study_name, storage=storage, load_if_exists=True,
-                sampler=samplers[self.sampler](seed=self.seed), directions=["minimize"] * len(self.objectives),
-                pruner=optuna.pruners.WilcoxonPruner(p_threshold=0.1) if self.prune else optuna.pruners.NopPruner(),
-            )  # fmt: skip
+            study = self._create(storage)
         except Exception as error:  # noqa: BLE001  # each storage has its own
             problem = (
                 f"'{self.storage}' cannot be used: {str(error).splitlines()[0] if str(error) else error!r}"
@@ -100,3 +97,25 @@ class Task:
                 "hydra.sweeper.objectives", problem, "the same, or another hydra.sweeper.study_name"
             )
         return study
+
+    def _create(self, storage: str | JournalStorage) -> optuna.Study:
+        """Create or load; processes that start together may meet while the first one makes the tables."""
+        import optuna
+        from sqlalchemy.exc import IntegrityError, OperationalError
+
+        samplers = {
+            "tpe": optuna.samplers.TPESampler, "nsga2": optuna.samplers.NSGAIISampler,
+            "random": optuna.samplers.RandomSampler,
+        }  # fmt: skip
+        for left in reversed(range(TRIES)):
+            try:
+                return optuna.create_study(
+                    study_name=self.study_name, storage=storage, load_if_exists=True,
+                    sampler=samplers[self.sampler](seed=self.seed), directions=["minimize"] * len(self.objectives),
+                    pruner=optuna.pruners.WilcoxonPruner(p_threshold=0.1) if self.prune else optuna.pruners.NopPruner(),
+                )  # fmt: skip
+            except (IntegrityError, OperationalError):
+                if not left:
+                    raise
+                time.sleep(random.uniform(0.2, 1.0))
+        raise AssertionError("unreachable")

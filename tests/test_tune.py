@@ -1,0 +1,165 @@
+"""Tuning as a user does it: small studies, resumed, shared, and what they leave behind."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import optuna
+import pandas as pd
+import pytest
+from test_launcher import path_with_bad_runs
+from test_program import program, records
+
+from benchbench.commands import tune
+from benchbench.errors import BadInput
+from benchbench.tuning import outcome
+from benchbench.tuning.space import read
+
+EXAMPLE = Path(__file__).parents[1] / "examples" / "tuning" / "schedule.yaml"
+SMALL = ("+scenario=static,linear", "strategy=phases", "dynamics=collocation", "scenario.intervals=24,25")
+OPTUNA = ("-m", "hydra/sweeper=optuna", "hydra.sweeper.sampler=random")
+
+
+def study(folder: Path, name: str = "tune") -> optuna.Study:
+    return optuna.load_study(study_name=name, storage=f"sqlite:///{folder}/results/tune/{name}/study.db")
+
+
+def test_a_study_ends_with_a_configuration_that_runs_and_goes_on(tmp_path: Path) -> None:
+    first = program(tmp_path, *OPTUNA, *SMALL, "hydra.sweeper.n_trials=2")
+    assert first.returncode == 0, first.stdout + first.stderr
+    assert "Pareto front" in first.stdout
+    folder = tmp_path / "results" / "tune" / "tune"
+    assert (folder / "front.png").read_bytes().startswith(b"\x89PNG")
+    trials = study(tmp_path).trials
+    found = {r["run_id"]: r for r in records(tmp_path)}
+    for trial in trials:  # the objectives are the sums over both scenarios
+        of_trial = [r for key, r in found.items() if f"trials_{trial.number}_" in key]
+        assert sorted(r["scenario"] for r in of_trial) == ["linear", "static"]
+        assert trial.values[0] == pytest.approx(sum(r["travel_time_s"] for r in of_trial), abs=1e-12)
+        assert trial.values[1] == pytest.approx(sum(r["solve_cpu_s"] for r in of_trial), abs=1e-12)
+    best = pd.read_csv(folder / "front.csv").iloc[0]
+    tuned = program(tmp_path, "--config-dir", str(folder), "+scenario=static", "+tuned=best", "output=again")
+    assert tuned.returncode == 0, tuned.stdout + tuned.stderr
+    (record,) = records(tmp_path / "again")
+    assert (record["strategy"], record["dynamics"]) == ("phases", "collocation")
+    assert record["intervals"] == best["scenario.intervals"]
+    again = program(tmp_path, *OPTUNA, *SMALL, "hydra.sweeper.n_trials=1")
+    assert "goes on after 2 trials" in again.stdout
+    assert len(study(tmp_path).trials) == 3
+
+
+@pytest.mark.parametrize("storage", ["sqlite:///{}/shared.db", "journal:{}/shared.log"])
+def test_processes_share_a_study(tmp_path: Path, storage: str) -> None:
+    where = f"hydra.sweeper.storage='{storage.format(tmp_path)}'"
+    command = [
+        sys.executable, "-m", "benchbench", *OPTUNA, "+scenario=static", "strategy=phases", "workers=1",
+        "scenario.intervals=12,13,14", "hydra.sweeper.n_trials=2", where, "hydra.sweeper.seed=null",
+    ]  # fmt: skip
+    both = [
+        subprocess.Popen(
+            command, cwd=tmp_path, env={**os.environ, "OMP_NUM_THREADS": "1"}, stdout=subprocess.DEVNULL
+        )
+        for _ in range(2)
+    ]
+    assert [process.wait(200) for process in both] == [1, 1]  # so coarse a grid is never certified
+    kept: Any = f"sqlite:///{tmp_path}/shared.db"
+    if storage.startswith("journal"):
+        backend = optuna.storages.journal.JournalFileBackend(f"{tmp_path}/shared.log")
+        kept = optuna.storages.JournalStorage(backend)
+    trials = optuna.load_study(study_name="tune", storage=kept).trials
+    assert sorted(t.number for t in trials) == [0, 1, 2, 3]
+    assert all(t.user_attrs["uncertified"] == 1 for t in trials)
+
+
+def test_a_crash_costs_a_trial_and_is_not_good(tmp_path: Path) -> None:
+    done = program(
+        tmp_path, *OPTUNA, "+scenario=static", "~strategy", "+strategy._target_=bad_runs.Bad", "scenario.intervals=12",
+        "+strategy.how=segfault,exit", "hydra.sweeper.n_trials=2", "hydra.sweeper.objectives=[travel_time_s]",
+        PYTHONPATH=path_with_bad_runs(),
+    )  # fmt: skip
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert "no trial has all its plans certified" in done.stdout
+    assert [t.user_attrs["uncertified"] for t in study(tmp_path).trials] == [1, 1]
+
+
+def test_a_bad_trial_is_pruned_after_a_problem(tmp_path: Path) -> None:
+    space = (
+        "+scenario=static,linear,circle",
+        "strategy=phases",
+        "scenario.intervals=choice(25,12)",
+        "dynamics=collocation",
+    )
+    done = program(
+        tmp_path, *OPTUNA, *space, "hydra.sweeper.n_trials=5", "hydra.sweeper.objectives=[travel_time_s]",
+        "hydra.sweeper.prune=true", "hydra.sweeper.seed=1",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    good = outcome.good(study(tmp_path))
+    assert good and all(t.params["scenario.intervals"] == "25" for t in good)
+
+
+def test_the_front_has_what_nobody_beats() -> None:
+    made = optuna.create_study(directions=["minimize", "minimize"])
+    for values, bad in [((1.0, 3.0), 0), ((2.0, 2.0), 0), ((2.0, 2.5), 0), ((0.5, 0.5), 1), ((3.0, 1.0), 0)]:
+        made.add_trial(optuna.trial.create_trial(values=values, user_attrs={"uncertified": bad}))
+    assert [t.values for t in outcome.front(made)] == [[1.0, 3.0], [2.0, 2.0], [3.0, 1.0]]
+
+
+def test_hydras_syntax_becomes_distributions() -> None:
+    space = read(
+        ["a=interval(1.0,2.0)", "b=tag(log,interval(1e-4,1e-1))", "c=int(interval(2,9))", "d=x,y", "s=1,2", "+e=3", "f=range(1,7,2)"],
+        over=("s",),
+    )  # fmt: skip
+    assert space.tuned["a"] == optuna.distributions.FloatDistribution(1.0, 2.0)
+    assert space.tuned["b"] == optuna.distributions.FloatDistribution(1e-4, 1e-1, log=True)
+    assert space.tuned["c"] == optuna.distributions.IntDistribution(2, 9)
+    assert space.tuned["d"] == optuna.distributions.CategoricalDistribution(("x", "y"))
+    assert space.tuned["f"] == optuna.distributions.CategoricalDistribution(("1", "3", "5"))
+    assert space.problems == (("s=1",), ("s=2",))
+    assert space.fixed == ("+e=3",)
+
+
+def test_a_file_says_the_same_as_the_command_line() -> None:
+    said = tune.overrides(EXAMPLE)
+    assert "hydra/sweeper=optuna" in said
+    assert "hydra.sweeper.over=[scenario]" in said
+    assert "+scenario=choice(static,linear)" in said
+    space = read([s for s in said if not s.startswith("hydra")], ("scenario",))
+    assert len(space.problems) == 2
+    assert "[1e-06]" in space.tuned["relaxation.schedule"].choices  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("scenario.intervals=20",), "no field is to be tuned"),
+        (("scenario.intervals=interval(30,20)",), "scenario.intervals"),
+        (("scenario.interval=20,30",), "scenario.interval"),
+        (("scenario.intervals=20,30", "hydra.sweeper.objectives=[beauty]"), "hydra.sweeper.objectives"),
+        (("scenario.intervals=20,30", "hydra.sweeper.sampler=guess"), "hydra.sweeper.sampler"),
+        (("scenario.intervals=20,30", "hydra.sweeper.storage=nowhere://x"), "hydra.sweeper.storage"),
+        (("scenario.intervals=20,30", "hydra.sweeper.n_trials=0"), "hydra.sweeper.n_trials"),
+        (("scenario.intervals=20,30", "hydra.sweeper.prune=true"), "hydra.sweeper.prune"),
+    ],
+)
+def test_bad_input(tmp_path: Path, arguments: tuple[str, ...], told: str) -> None:
+    done = program(tmp_path, *OPTUNA, "+scenario=static", *arguments)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert told in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "told"), [("a: 1", "space"), ("space: {a: 1}\nspeed: 2", "speed"), ("space: [", "YAML")]
+)
+def test_a_bad_file_is_refused(tmp_path: Path, text: str, told: str) -> None:
+    path = tmp_path / "space.yaml"
+    path.write_text(text)
+    with pytest.raises(BadInput, match=told):
+        tune.overrides(path)
+    with pytest.raises(BadInput, match="cannot be read"):
+        tune.overrides(tmp_path / "none.yaml")
