@@ -53,7 +53,7 @@ def test_a_planted_slow_down_is_caught(stored: Path) -> None:
     assert done.returncode == 1, done.stdout + done.stderr
     last = done.stdout.splitlines()[-1]
     assert last.startswith("small: solve / reference was ")
-    assert 70.0 < float(last.rpartition("(+")[2].removesuffix("%)")) < 130.0
+    assert float(last.rpartition("(+")[2].removesuffix("%)")) > 50.0
 
 
 def test_a_planted_loss_of_travel_time_is_caught(stored: Path) -> None:
