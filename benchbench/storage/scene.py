@@ -64,12 +64,15 @@ def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Ite
 def vehicle_pose(names: tuple[str, ...], q: Array) -> tuple[Array, Array]:
     """Position (n, 3) m and unit quaternion (n, 4) x, y, z, w from coordinates q (n, n_q) by name.
 
-    Reads x, y, z and the angles roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll); what a model does
-    not have is 0.
+    Reads x, y, z and either the quaternion qw, qx, qy, qz or the angles roll, pitch, yaw of
+    R = Rz(yaw) Ry(pitch) Rx(roll); what a model does not have is 0.
     """
     column = {name: q[:, i] for i, name in enumerate(names)}
     none = np.zeros(len(q))
     position = np.stack([column.get(axis, none) for axis in ("x", "y", "z")], axis=-1)
+    if "qw" in column:
+        turn = np.stack([column[name] for name in ("qx", "qy", "qz", "qw")], axis=-1)
+        return position, turn / np.linalg.norm(turn, axis=-1, keepdims=True)
     half = [column.get(angle, none) / 2 for angle in ("roll", "pitch", "yaw")]
     (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
     quaternion = [
