@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from benchbench.plan import Array
 
@@ -70,6 +71,23 @@ class Model(ABC):
     def origin(self) -> Array:
         """Return the configuration (n_q,) in which a scenario's unnamed coordinates are: 0, unless overridden."""
         return np.zeros(len(self.configuration.names))
+
+    def fixed_at_rest(self) -> NDArray[np.bool_]:
+        """Which coordinates (n_q,) a place to rest at fixes: all, unless overridden (heading left free)."""
+        return np.ones(len(self.configuration.names), bool)
+
+    def specific_thrust(self, flown: Array) -> Array:
+        """Largest thrust over mass (n,) in m/s^2 where `flown` (n,) m lie behind; needed to guess races."""
+        raise NotImplementedError(f"{type(self).__name__} says nothing about its thrust")
+
+    def follow(
+        self, time: Array, position: Array, velocity: Array, thrust: Array
+    ) -> tuple[Array, Array, Array]:
+        """Guess how to follow a point mass: q (N + 1, n_q), v (N + 1, n_v), u (N, n_u), needed for races.
+
+        time (N + 1,) s, position and velocity (N + 1, 3), thrust over mass (N, 3) in m/s^2, held per interval.
+        """
+        raise NotImplementedError(f"{type(self).__name__} cannot follow a point mass")
 
     def velocity_limits(self, flown: Array) -> tuple[Array, Array]:
         """Lower and upper limits of v, each (n, n_v), where `flown` (n,) m of the nominal path lie behind.

@@ -10,7 +10,9 @@ from typing import final
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
+from scipy.spatial.transform import Rotation
 
 from benchbench.errors import BadInput
 from benchbench.model import Coordinates, Model, Plant, box
@@ -91,6 +93,38 @@ class Quadrotor(Model):
         low, high = self.motor_force
         first = self.ramp.motor_force if self.ramp else high
         return np.full((len(flown), 4), low), self._along(flown, (first,) * 4, (high,) * 4)
+
+    def fixed_at_rest(self) -> NDArray[np.bool_]:
+        """Place, roll and pitch; qw and qz are the heading."""
+        return np.array([name in ("x", "y", "z", "qx", "qy") for name in NAMES])
+
+    def specific_thrust(self, flown: Array) -> Array:
+        """All motors at their limits."""
+        return np.asarray(self.input_limits(flown)[1].sum(axis=1) / self.mass)
+
+    def follow(
+        self, time: Array, position: Array, velocity: Array, thrust: Array
+    ) -> tuple[Array, Array, Array]:
+        """Thrust along the body z axis, turned from node to node the shortest way, never about it."""
+        size = np.linalg.norm(thrust, axis=1)
+        way = thrust / np.maximum(size, 1e-9)[:, None]
+        attitude = [Rotation.identity()]
+        turns = np.zeros((len(time), 3))
+        for k in range(1, len(time)):
+            up = attitude[-1].apply([0.0, 0.0, 1.0])
+            wanted = way[min(k, len(way) - 1)]
+            axis = np.cross(up, wanted)
+            sine = float(np.linalg.norm(axis))
+            turn = axis / max(sine, 1e-9) * np.arctan2(sine, up @ wanted)
+            turns[k] = attitude[-1].inv().apply(turn)
+            attitude.append(Rotation.from_rotvec(turn) * attitude[-1])
+        quaternion = np.array([rotation.as_quat(scalar_first=True) for rotation in attitude])
+        same = np.sum(quaternion[1:] * quaternion[:-1], axis=1) >= 0
+        quaternion[1:] *= np.cumprod(np.where(same, 1.0, -1.0))[:, None]
+        most = np.array(self.body_rate)
+        rates = np.clip(turns / np.append(1.0, np.diff(time))[:, None], -most, most)
+        force = np.repeat(size[:, None] * self.mass / 4, 4, axis=1)
+        return np.hstack([position, quaternion]), np.hstack([velocity, rates]), force
 
     def kinematics(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """Return world velocity and q * [0, omega] / 2."""
