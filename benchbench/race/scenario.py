@@ -137,6 +137,11 @@ class Race(Scenario):
             low_v[:3] = high_v[:3] = self.end_velocity
         return Ends(box.lower, box.upper, low_v, high_v)
 
+    def flown(self, model: Model, nodes: int) -> Array:
+        """Nominal metres flown at each node, (nodes,): equal numbers of nodes for each straight line between gates."""
+        corners = np.concatenate([[0.0], np.cumsum(self.segments)])
+        return np.interp(np.linspace(0, len(corners) - 1, nodes), np.arange(len(corners)), corners)
+
     def path_length(self, model: Model) -> float:
         """Length in m of the straight lines from start through all gates to the end."""
         return float(np.sum(self.segments))
