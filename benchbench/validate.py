@@ -24,6 +24,8 @@ def validate(case: Case) -> None:
     """Raise BadInput for the first thing that cannot be."""
     _numbers(case)
     _vehicle(case)
+    if isinstance(case.scenario, Race):
+        _racer(case)
     _pose("start", case.scenario.start_point(case.model), case)
     _pose("end", case.scenario.end_point(case.model), case)
     if isinstance(case.scenario, Race):
@@ -118,6 +120,15 @@ def _reachable(case: Case) -> None:
         raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
 
 
+def _racer(case: Case) -> None:
+    """The vehicle says what a race is guessed from."""
+    try:
+        case.model.specific_thrust(np.zeros(1))
+    except NotImplementedError:
+        able = "race_quadrotor, race_ramp, or a model that gives specific_thrust and follow"
+        raise IncompatibleCase("vehicle", f"'{case.names['vehicle']}' cannot race", able) from None
+
+
 def _course(race: Race, case: Case) -> None:
     """Every gate can be reached at least in part, and there is time for the race."""
     limits = race.limits(case.model)
@@ -129,11 +140,7 @@ def _course(race: Race, case: Case) -> None:
                 name = "end" if number == len(race.goals) else f"gate {number}"
                 problem = f"{axis} = {value:g} m of the {name} is outside the workspace"
                 raise BadInput("scenario.track", problem, f"{low:g} to {high:g} m")
-    try:
-        bound = lower_bound(race, case.model, case.model.plant())
-    except NotImplementedError:
-        able = "race_quadrotor, race_ramp, or a model that gives specific_thrust and follow"
-        raise IncompatibleCase("vehicle", f"'{case.names['vehicle']}' cannot race", able) from None
+    bound = lower_bound(race, case.model, case.model.plant())
     if bound > race.travel_time[1]:
         problem = f"{race.travel_time[1]:g} s are too short for this race"
         raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")

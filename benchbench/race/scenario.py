@@ -132,7 +132,7 @@ class Race(Scenario):
         if self.end_velocity == "rest":
             fixed = model.fixed_at_rest()
             low, high = (np.where(fixed, end, bound) for bound in (box.lower, box.upper))
-            return Ends(low, high, 0 * low_v, 0 * high_v)
+            return Ends(low, high, np.zeros_like(low_v), np.zeros_like(high_v))
         if not isinstance(self.end_velocity, str):
             low_v[:3] = high_v[:3] = self.end_velocity
         return Ends(box.lower, box.upper, low_v, high_v)

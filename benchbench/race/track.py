@@ -110,7 +110,7 @@ def _gate(row: Any, field: str, radius: float) -> tuple[float | None, Gate]:
         row = dict(zip("xyz", _point(row, field), strict=True))
     for key in row:
         if key not in GATE:
-            raise unknown_field(f"{field}, {key}", GATE)
+            raise unknown_field(f"{field}.{key}", GATE)
     position = _point([row.get(axis) for axis in "xyz"], field)
     own = _number(row.get("radius", radius), f"{field}, radius")
     if not own > 0:

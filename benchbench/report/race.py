@@ -112,7 +112,7 @@ def _track(axes: Axes3D, flight: Flight) -> None:
     low[2] = min(low[2], 0.0)
     axes.plot(flight.position[:, 0], flight.position[:, 1], low[2], color=INK, alpha=0.18, linewidth=1.2)
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axes.set_box_aspect(high - low, zoom=1.2)
+    axes.set_box_aspect(high - low)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.view_init(elev=32, azim=-62)
 
