@@ -23,6 +23,8 @@ from benchbench.plan import Array, Plan
 from benchbench.race.point_mass import point_mass_plan
 from benchbench.race.scenario import Race
 from benchbench.race.track import Gate
+from benchbench.storage.playback import read_mcap
+from benchbench.storage.recording import write_mcap
 
 
 @cache
@@ -116,6 +118,21 @@ def test_who_cannot_race_is_told() -> None:
         run("scenario.track=[[0,0,-1]]", "scenario.gates=1")
     with pytest.raises(BadInput, match="too short for this race"):
         run("scenario.travel_time=[0.1,0.5]")
+
+
+def test_recordings_are_read_back(tmp_path: Path) -> None:
+    done = good()
+    write_mcap(
+        tmp_path / "plan.mcap",
+        done.result.plan,
+        done.certificate.flight,
+        done.case.scenario,
+        done.case.model,
+        {},
+    )
+    again = read_mcap(tmp_path / "plan.mcap").plan
+    assert again.velocity_names == done.result.plan.velocity_names == ("vx", "vy", "vz", "wx", "wy", "wz")
+    np.testing.assert_array_equal(again.velocity, done.result.plan.velocity)
 
 
 def test_picture_and_recording_are_written(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any
@@ -31,17 +32,20 @@ NOT_HERE = (
 """Fields of a handover that mean nothing in a race."""
 
 
-class Nowhere(Motion):
-    """The target of a race, which has none: it stands at the origin and nothing reads it."""
+@dataclass(frozen=True)
+class Finish(Motion):
+    """The target of a race, for those that draw one: its end, which stands still."""
+
+    place: tuple[float, float, float]
 
     @property
     def parameters(self) -> Array:
-        """None."""
-        return np.zeros(0)
+        """The place."""
+        return np.array(self.place)
 
     def position(self, time: ca.SX, parameters: ca.SX) -> ca.SX:
-        """Origin."""
-        return ca.SX.zeros(3)
+        """Constant."""
+        return parameters
 
 
 class Race(Scenario):
@@ -65,7 +69,7 @@ class Race(Scenario):
     nodes_per_gate: Annotated[int, Field(ge=4)] = 40
     gate_margin: Annotated[NonNegative, Field(lt=1)] = 0.0
     speed_guess: Positive = 5.0
-    target: InstanceOf[Motion] = Nowhere()
+    target: InstanceOf[Motion] = Finish((0.0, 0.0, 0.0))
     contacts: dict[str, Any] = Field(default_factory=dict)
     input_cost: NonNegative = 0.0
 
@@ -84,6 +88,7 @@ class Race(Scenario):
             raise BadInput(
                 "scenario.end_velocity", f"'{self.end_velocity}' was given", "free, rest, [vx, vy, vz] in m/s"
             )
+        object.__setattr__(self, "target", Finish(self.goals[-1].position))
         object.__setattr__(self, "intervals", self.nodes_per_gate * len(self.goals))
         here = np.array(self.start_position)
         for number, goal in enumerate(self.goals, 1):
