@@ -28,6 +28,7 @@ from benchbench.errors import BadInput, BenchBenchError, invalid, unknown_field
 from benchbench.guess import Guess
 from benchbench.hydra_errors import EXPECTED, PARTS, explained
 from benchbench.model import Model
+from benchbench.race.scenario import Race
 from benchbench.relaxation import Relaxation
 from benchbench.scenario import Scenario
 from benchbench.solver import Solver
@@ -103,10 +104,11 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case:
     _check_run(cfg, chosen)
     parts = {family: _make(cfg, family) for family in KINDS}
     names = {family: str(chosen.get(family) or "custom") for family in FAMILIES}
+    kind = Race if "track" in parts["scenario"] else Scenario
     try:
-        scenario = Scenario(**parts["scenario"])
+        scenario = kind(**parts["scenario"])
     except ValidationError as error:
-        raise invalid("scenario", error, Scenario.model_fields) from None
+        raise invalid("scenario", error, kind.model_fields) from None
     _check_margins(parts["scenario"])
     return Case(
         scenario=scenario, model=parts["vehicle"], limits=parts["certificate"],

@@ -42,8 +42,9 @@ def straight_line(case: Case) -> Plan:
     first = min(int(scenario.contact_guess * n), n - scenario.kappa_init)
     progress = np.zeros(n + 1)
     progress[first : first + scenario.kappa_init] = 1.0
-    c, u = model.configuration, model.inputs
+    c, w, u = model.configuration, model.velocity, model.inputs
+    moving = np.gradient(q, time, axis=0) if c.names == w.names else np.zeros((n + 1, len(w.names)))
     return Plan(
-        time, q, np.gradient(q, time, axis=0), np.tile(model.hover(), (n, 1)), progress, "hold",
-        c.names, c.units, u.names, u.units,
+        time, q, moving, np.tile(model.hover(), (n, 1)), progress, "hold",
+        c.names, c.units, u.names, u.units, w.names, w.units,
     )  # fmt: skip

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from benchbench.plan import Array
 
@@ -34,7 +35,8 @@ class Model(ABC):
     """A vehicle as a planner sees it: a Lagrangian system with generalised forces.
 
     A model that has no Lagrangian gives `acceleration` instead; variational dynamics then refuse it.
-    Symbols are CasADi SX columns: q (n_q), v = dq/dt (n_q), u (n_u). SI units, angles in rad.
+    Symbols are CasADi SX columns: q (n_q), v (n_v), u (n_u). SI units, angles in rad. Usually v = dq/dt; a model
+    with quasi-velocities (body rates beside a quaternion) says by `kinematics` what dq/dt is, and has no Lagrangian here.
     """
 
     name: str
@@ -58,8 +60,49 @@ class Model(ABC):
         """Return the scalar L(q, v) = K - V in joules."""
         raise NotImplementedError(f"{type(self).__name__} has no Lagrangian")
 
+    def kinematics(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        """Return dq/dt, shape (n_q,): v itself, unless overridden."""
+        return v
+
+    def normalised(self, q: ca.SX) -> ca.SX:
+        """Return q moved back to where configurations live (unit quaternions): q itself, unless overridden."""
+        return q
+
+    def origin(self) -> Array:
+        """Return the configuration (n_q,) in which a scenario's unnamed coordinates are: 0, unless overridden."""
+        return np.zeros(len(self.configuration.names))
+
+    def fixed_at_rest(self) -> NDArray[np.bool_]:
+        """Which coordinates (n_q,) a place to rest at fixes: all, unless overridden (heading left free)."""
+        return np.ones(len(self.configuration.names), bool)
+
+    def specific_thrust(self, flown: Array) -> Array:
+        """Largest thrust over mass (n,) in m/s^2 where `flown` (n,) m lie behind; needed to guess races."""
+        raise NotImplementedError(f"{type(self).__name__} says nothing about its thrust")
+
+    def follow(
+        self, time: Array, position: Array, velocity: Array, thrust: Array
+    ) -> tuple[Array, Array, Array]:
+        """Guess how to follow a point mass: q (N + 1, n_q), v (N + 1, n_v), u (N, n_u), needed for races.
+
+        time (N + 1,) s, position and velocity (N + 1, 3), thrust over mass (N, 3) in m/s^2, held per interval.
+        """
+        raise NotImplementedError(f"{type(self).__name__} cannot follow a point mass")
+
+    def velocity_limits(self, flown: Array) -> tuple[Array, Array]:
+        """Lower and upper limits of v, each (n, n_v), where `flown` (n,) m of the nominal path lie behind.
+
+        The same everywhere, unless overridden (limits that ramp up).
+        """
+        shape = (len(flown), 1)
+        return np.tile(self.velocity.lower, shape), np.tile(self.velocity.upper, shape)
+
+    def input_limits(self, flown: Array) -> tuple[Array, Array]:
+        """Lower and upper limits of u, each (n, n_u), in the same way."""
+        return np.tile(self.inputs.lower, (len(flown), 1)), np.tile(self.inputs.upper, (len(flown), 1))
+
     def acceleration(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
-        """Return d2q/dt2, shape (n_q,): by the Euler-Lagrange equations (paper Eq. 13-14), unless overridden."""
+        """Return dv/dt, shape (n_v,): by the Euler-Lagrange equations (paper Eq. 13-14), unless overridden."""
         lagrangian = self.lagrangian(q, v)
         momentum = ca.gradient(lagrangian, v)
         bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q)
@@ -96,7 +139,11 @@ class Plant(ABC):
 
     @abstractmethod
     def acceleration(self, q: Array, v: Array, u: Array) -> Array:
-        """Return d2q/dt2 for q (..., n_q), v (..., n_q), u (..., n_u); shape (..., n_q)."""
+        """Return dv/dt for q (..., n_q), v (..., n_v), u (..., n_u); shape (..., n_v)."""
+
+    def kinematics(self, q: Array, v: Array) -> Array:
+        """Return dq/dt, shape (..., n_q): v itself, unless overridden."""
+        return v
 
     @abstractmethod
     def tool(self, q: Array, v: Array) -> tuple[Array, Array]:

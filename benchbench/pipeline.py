@@ -14,6 +14,7 @@ from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.residuals import residuals
+from benchbench.race.scenario import Race
 from benchbench.solver import Claim
 from benchbench.storage import provenance
 from benchbench.storage.schema import Status, make_record
@@ -124,7 +125,7 @@ def _record(
         **judged,
         **{family: name for family, name in case.names.items() if family != "certificate"},
         intervals=result.plan.intervals,
-        kappa_init=case.scenario.kappa_init,
+        kappa_init=None if isinstance(case.scenario, Race) else case.scenario.kappa_init,
         seed=case.seed,
         travel_time_s=result.plan.travel_time,
         objective=outcome.objective,

@@ -21,7 +21,7 @@ class Plan:
 
     time           (N+1,) s, increasing, starts at 0
     configuration  (N+1, n_q) generalised coordinates q in `coordinate_units`
-    velocity       (N+1, n_q) nodal velocities dq/dt, per second
+    velocity       (N+1, n_v) nodal velocities; dq/dt, unless `velocity_names` say otherwise
     inputs         (N, n_u) when `interpolation` is "hold" (row k acts on [t_k, t_{k+1}));
                    (N+1, n_u) when it is "linear" (row k is the value at t_k);
                    (N d, n_u) when it is "bezier": d control points per interval, a polynomial of degree
@@ -40,16 +40,21 @@ class Plan:
     coordinate_units: tuple[str, ...]
     input_names: tuple[str, ...]
     input_units: tuple[str, ...]
+    velocity_names: tuple[str, ...] = ()
+    velocity_units: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the shapes against each other; raises ValueError naming the wrong one."""
+        if not self.velocity_names:
+            object.__setattr__(self, "velocity_names", self.coordinate_names)
+            object.__setattr__(self, "velocity_units", tuple(f"{unit}/s" for unit in self.coordinate_units))
         nodes = len(self.time)
         rows = {"hold": nodes - 1, "linear": nodes}.get(self.interpolation, len(self.inputs))
         if rows % (nodes - 1) and self.interpolation == "bezier":
             raise ValueError(f"plan.inputs has {rows} control points for {nodes - 1} intervals")
         wanted = {
             "configuration": (nodes, len(self.coordinate_names)),
-            "velocity": (nodes, len(self.coordinate_names)),
+            "velocity": (nodes, len(self.velocity_names)),
             "inputs": (rows, len(self.input_names)),
             "progress": (nodes,),
         }

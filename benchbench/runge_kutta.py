@@ -16,7 +16,7 @@ Stages that coincide with a node use the node's unknowns.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -29,7 +29,7 @@ from benchbench.mpcc import Block, Mpcc, Slot, Variable, rows
 from benchbench.plan import Array, Interpolation, Plan, bernstein
 from benchbench.scenario import Scenario
 from benchbench.tableau import Tableau
-from benchbench.transcription import NodalTrajectory, cost, durations, nodal_variables, total_time
+from benchbench.transcription import NodalTrajectory, cost, nodal_variables, own_duration, total_time
 
 Inputs = Literal["interval", "linear", "polynomial"]
 INTERPOLATION: dict[Inputs, Interpolation] = {"interval": "hold", "linear": "linear", "polynomial": "bezier"}
@@ -47,7 +47,7 @@ def transcribe(
     """
     points = {"interval": 1, "linear": 2}.get(inputs, tableau.stages)
     every = grid.intervals + 1 if inputs == "linear" else grid.intervals * points
-    stages = Stages(tableau, grid, len(model.configuration.names))
+    stages = Stages(tableau, grid, {"q": len(model.configuration.names), "v": len(model.velocity.names)})
     variables = nodal_variables(scenario, model, grid, every) + tuple(
         _stage_variables(stages, scenario, model)
     )
@@ -56,7 +56,7 @@ def transcribe(
         rows("u", len(model.inputs.names), range(j, j + stride * grid.intervals, stride))
         for j in range(points)
     ]
-    constraints = (*_quadrature(stages), *_euler_lagrange(stages, model, controls))
+    constraints = (*_quadrature(stages, model), *_euler_lagrange(stages, model, controls))
     mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, every, stride)) + total_time(
         scenario, grid
     )
@@ -66,11 +66,11 @@ def transcribe(
 
 @dataclass(frozen=True)
 class Stages:
-    """Where the unknowns of stage i of interval k are; `n` is the number of coordinates."""
+    """Where the unknowns of stage i of interval k are; `n` are the numbers of coordinates and velocities."""
 
     tableau: Tableau
     grid: Grid
-    n: int
+    n: Mapping[State, int]
 
     @property
     def inner(self) -> list[int]:
@@ -83,12 +83,12 @@ class Stages:
         intervals = range(self.grid.intervals)
         if i in self.inner:
             place, count = self.inner.index(i), len(self.inner)
-            return rows(f"{name}_stage", self.n, [k * count + place for k in intervals])
-        return rows(name, self.n, [k + (i > 0) for k in intervals])
+            return rows(f"{name}_stage", self.n[name], [k * count + place for k in intervals])
+        return rows(name, self.n[name], [k + (i > 0) for k in intervals])
 
     def increment(self, i: int) -> Slot:
         """W_i of every interval."""
-        return rows("w_stage", self.n, [k * self.tableau.stages + i for k in range(self.grid.intervals)])
+        return rows("w_stage", self.n["v"], [k * self.tableau.stages + i for k in range(self.grid.intervals)])
 
 
 @dataclass(frozen=True)
@@ -136,43 +136,65 @@ class StageTrajectory:
 def _stage_variables(stages: Stages, scenario: Scenario, model: Model) -> Iterator[Variable]:
     count = stages.grid.intervals * len(stages.inner)
     if count:
-        for name, limits in (("q", scenario.limits(model)), ("v", scenario.planned_rates(model))):
-            low, high = (np.tile(b, (count, 1)) for b in (limits.lower, limits.upper))
+        q = scenario.limits(model)
+        flown = np.repeat(scenario.flown(model, stages.grid.intervals + 1)[:-1], len(stages.inner))
+        rates = scenario.planned_rates_at(model, flown)
+        boxes = {"q": [np.tile(b, (count, 1)) for b in (q.lower, q.upper)], "v": rates}
+        for name, (low, high) in boxes.items():
             yield Variable(f"{name}_stage", low, high, np.clip(np.zeros_like(low), low, high))
-    free = np.full((stages.grid.intervals * stages.tableau.stages, stages.n), np.inf)
+    free = np.full((stages.grid.intervals * stages.tableau.stages, stages.n["v"]), np.inf)
     yield Variable("w_stage", -free, free, np.zeros_like(free))
 
 
-def _quadrature(stages: Stages) -> Iterator[Block]:
+def _quadrature(stages: Stages, model: Model) -> Iterator[Block]:
     """State equations of inner stages and of the right node, separately for each stage and for q and v."""
     a, b = stages.tableau.a, stages.tableau.b
     right = range(1, stages.grid.intervals + 1)
-    for name in _STATES:
-        for i in stages.inner:
-            yield _weighted_sum(f"{name}_stage_{i}", stages, name, stages.state(name, i), a[i])
-        yield _weighted_sum(f"{name}_node", stages, name, rows(name, stages.n, right), b)
+    for i in stages.inner:
+        yield _positions(f"q_stage_{i}", stages, model, stages.state("q", i), a[i], False)
+    yield _positions("q_node", stages, model, rows("q", stages.n["q"], right), b, True)
+    for i in stages.inner:
+        yield _velocities(f"v_stage_{i}", stages, stages.state("v", i), a[i])
+    yield _velocities("v_node", stages, rows("v", stages.n["v"], right), b)
 
 
-def _weighted_sum(name: str, stages: Stages, state: State, end: Slot, weights: Array) -> Block:
-    """Row end - start - sum w_j slope_j = 0, times h for q; weights are parameters: one function for all methods."""
+def _velocities(name: str, stages: Stages, end: Slot, weights: Array) -> Block:
+    """Row end - start - sum w_j W_j = 0; weights are parameters: one function for all methods."""
     used = [j for j, weight in enumerate(weights) if weight != 0.0]
-    slopes = [stages.state("v", j) if state == "q" else stages.increment(j) for j in used]
-    n, m, phases, count = stages.n, len(used), len(stages.grid.phases), stages.grid.intervals
+    n, m, count = stages.n["v"], len(used), stages.grid.intervals
     first, last, slope = ca.SX.sym("first", n), ca.SX.sym("last", n), ca.SX.sym("slope", n, m)
-    start = rows(state, n, range(count))
+    p = ca.SX.sym("p", m)
+    z = ca.vertcat(first, last, ca.vec(slope))
+    function = ca.Function(f"increment_{m}", [z, p, ca.SX.sym("sigma")], [last - first - slope @ p])
+    slots = (rows("v", n, range(count)), end, *(stages.increment(j) for j in used))
     zero = np.zeros((count, n))
-    numbers = np.tile(weights[used], (count, 1))
-    if state == "v":
-        p = ca.SX.sym("p", m)
-        z = ca.vertcat(first, last, ca.vec(slope))
-        function = ca.Function(f"increment_{m}", [z, p, ca.SX.sym("sigma")], [last - first - slope @ p])
-        return Block(name, function, (start, end, *slopes), numbers, zero, zero, "m/s, rad/s")
-    duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases + m)
-    gap = last - first - ca.dot(p[:phases], duration) * (slope @ p[phases:])
-    z = ca.vertcat(first, last, ca.vec(slope), duration)
+    return Block(name, function, slots, np.tile(weights[used], (count, 1)), zero, zero, "m/s, rad/s")
+
+
+def _positions(name: str, stages: Stages, model: Model, end: Slot, weights: Array, at_node: bool) -> Block:
+    """Row end - start - h sum w_j dq/dt_j = 0, with dq/dt from Q_j and V_j where it is not V_j itself.
+
+    At nodes the sum is normalised: a quaternion that may grow or shrink scales the thrust.
+    """
+    used = [j for j, weight in enumerate(weights) if weight != 0.0]
+    n, k, m, count = stages.n["q"], stages.n["v"], len(used), stages.grid.intervals
+    first, last = ca.SX.sym("first", n), ca.SX.sym("last", n)
+    place, speed = ca.SX.sym("Q", n, m), ca.SX.sym("V", k, m)
+    slopes = [model.kinematics(place[:, j], speed[:, j]) for j in range(m)]
+    plain = n == k and all(ca.is_equal(slope, speed[:, j]) for j, slope in enumerate(slopes))
+    duration, p = ca.SX.sym("T"), ca.SX.sym("p", 1 + m)
+    ahead = first + p[0] * duration * (ca.horzcat(*slopes) @ p[1:])
+    gap = last - (model.normalised(ahead) if at_node else ahead)
+    read = speed if plain else ca.vertcat(place, speed)
+    z = ca.vertcat(first, last, ca.vec(read), duration)
     function = ca.Function(f"quadrature_{m}", [z, p, ca.SX.sym("sigma")], [gap])
-    slots = (start, end, *slopes, durations(stages.grid, count))
-    return Block(name, function, slots, np.hstack([stages.grid.step_weights, numbers]), zero, zero, "m, rad")
+    parts: tuple[State, ...] = ("v",) if plain else _STATES
+    own, share = own_duration(stages.grid)
+    slots = (rows("q", n, range(count)), end, *(stages.state(s, j) for j in used for s in parts), own)
+    zero = np.zeros((count, n))
+    return Block(
+        name, function, slots, np.hstack([share, np.tile(weights[used], (count, 1))]), zero, zero, "m, rad"
+    )
 
 
 def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Iterator[Block]:
@@ -180,11 +202,11 @@ def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Itera
 
     Without a Lagrangian W - H d2q/dt2 = 0.
     """
-    n, n_u, count, phases = stages.n, len(model.inputs.names), stages.grid.intervals, len(stages.grid.phases)
-    q, v, w = (ca.SX.sym(k, n) for k in "qvw")
+    n, n_u, count = stages.n["v"], len(model.inputs.names), stages.grid.intervals
+    q, v, w = ca.SX.sym("q", stages.n["q"]), ca.SX.sym("v", n), ca.SX.sym("w", n)
     u = [ca.SX.sym(f"u{j}", n_u) for j in range(len(controls))]
-    duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases + 1)
-    h, c = ca.dot(p[:phases], duration), p[phases]
+    duration, p = ca.SX.sym("T"), ca.SX.sym("p", 2)
+    h, c = p[0] * duration, p[1]
     here = sum((weight * point for weight, point in zip(bernstein(len(u), c), u, strict=True)), ca.SX(0))
     if model.has_lagrangian:
         lagrangian = model.lagrangian(q, v)
@@ -197,13 +219,14 @@ def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Itera
         "euler_lagrange", [ca.vertcat(q, v, w, *u, duration), p, ca.SX.sym("sigma")], [residual]
     )
     zero = np.zeros((count, n))
+    own, share = own_duration(stages.grid)
     for i, place in enumerate(stages.tableau.c):
         slots = (
             stages.state("q", i),
             stages.state("v", i),
             stages.increment(i),
             *controls,
-            durations(stages.grid, count),
+            own,
         )
-        numbers = np.hstack([stages.grid.step_weights, np.full((count, 1), place)])
+        numbers = np.hstack([share, np.full((count, 1), place)])
         yield Block(f"euler_lagrange_{i}", function, slots, numbers, zero, zero, "kg m/s, kg m^2/s")

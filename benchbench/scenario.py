@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
@@ -25,6 +26,16 @@ def _increasing(pair: tuple[float, float]) -> tuple[float, float]:
 
 
 Range = Annotated[tuple[float, float], AfterValidator(_increasing)]
+
+
+@dataclass(frozen=True)
+class Ends:
+    """Bounds of the last node: configuration (n_q,) and velocity (n_v,)."""
+
+    lower_q: Array
+    upper_q: Array
+    lower_v: Array
+    upper_v: Array
 
 
 class Scenario(BaseModel):
@@ -75,11 +86,25 @@ class Scenario(BaseModel):
 
     def start_point(self, model: Model) -> Array:
         """Return the start configuration (n_q,)."""
-        return point(self.start, model.configuration, "scenario.start")
+        return point(self.start, model, "scenario.start")
 
     def end_point(self, model: Model) -> Array:
         """Return the end configuration (n_q,)."""
-        return point(self.end, model.configuration, "scenario.end")
+        return point(self.end, model, "scenario.end")
+
+    def ends(self, model: Model) -> Ends:
+        """Bounds of the last node: the end point, at rest."""
+        end, rest = self.end_point(model), np.zeros(len(model.velocity.names))
+        return Ends(end, end, rest, rest)
+
+    def flown(self, model: Model, nodes: int) -> Array:
+        """Nominal metres flown at each of `nodes` nodes, (nodes,): shares of the nominal path."""
+        return np.linspace(0.0, self.path_length(model), nodes)
+
+    def path_length(self, model: Model) -> float:
+        """Length in m of the nominal path: the straight line."""
+        metres = [i for i, unit in enumerate(model.configuration.units) if unit == "m"]
+        return float(np.linalg.norm((self.end_point(model) - self.start_point(model))[metres]))
 
     def limits(self, model: Model) -> Coordinates:
         """Limits of the configuration: the vehicle's, tightened by the workspace."""
@@ -97,11 +122,20 @@ class Scenario(BaseModel):
 
     def planned_rates(self, model: Model) -> Coordinates:
         """Velocity limits as the planner keeps them: the vehicle's, less `rate_margin`."""
-        own = model.velocity
-        share = np.ones(len(own.names))
-        for name, margin in self.rate_margin.items():
-            share[coordinate(name, own, "scenario.rate_margin")] -= margin
+        own, share = model.velocity, self._rate_shares(model)
         return Coordinates(own.names, own.units, own.lower * share, own.upper * share)
+
+    def planned_rates_at(self, model: Model, flown: Array) -> tuple[Array, Array]:
+        """Return the same where `flown` (n,) m of the nominal path lie behind: lower and upper, each (n, n_v)."""
+        lower, upper = model.velocity_limits(flown)
+        share = self._rate_shares(model)
+        return lower * share, upper * share
+
+    def _rate_shares(self, model: Model) -> Array:
+        share = np.ones(len(model.velocity.names))
+        for name, margin in self.rate_margin.items():
+            share[coordinate(name, model.velocity, "scenario.rate_margin")] -= margin
+        return share
 
 
 def coordinate(name: str, of: Coordinates, field: str) -> int:
@@ -111,9 +145,9 @@ def coordinate(name: str, of: Coordinates, field: str) -> int:
     return of.index(name)
 
 
-def point(values: dict[str, float], of: Coordinates, field: str) -> Array:
-    """Return a coordinate vector (n,) from values by name; the rest is 0."""
-    q = np.zeros(len(of.names))
+def point(values: dict[str, float], model: Model, field: str) -> Array:
+    """Return a configuration (n_q,) from values by name; the rest is as in `Model.origin`."""
+    q = np.asarray(model.origin(), float)
     for name, value in values.items():
-        q[coordinate(name, of, field)] = value
+        q[coordinate(name, model.configuration, field)] = value
     return q

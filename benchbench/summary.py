@@ -97,7 +97,7 @@ def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         str(r[k]) for k in ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
     )
     lines: list[tuple[str, Text | str]] = [
-        (str(r["scenario"]), f"{choices}\nN = {r['intervals']}, kappa_init = {r['kappa_init']}"),
+        (str(r["scenario"]), f"{choices}\n{_size(r)}"),
         ("verdict", _verdict(r)),
         ("travel time", f"{_number(r['travel_time_s'], '.4f', 's')}   "
                         f"(lower bound {_number(r['lower_bound_s'], '.3f', 's')})"),
@@ -105,14 +105,26 @@ def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     if r["contact_start_s"] is not None:
         text = f"{r['contact_start_s']:.3f} to {r['contact_end_s']:.3f} s: {r['contact_duration_s']:.3f} s, "
         lines.append(("contact", f"{text}{r['contact_steps']} nodes\n{_worst(r)}"))
+    if r["gates"] is not None:
+        worst = _scaled(r["gate_worst_miss_m"], 1e3, "mm beyond a radius at worst") or "-"
+        lines.append(("gates", f"{r['gates_passed']} of {r['gates']} in order, {worst}"))
     defect, drift = (_scaled(r[f"replay_{k}_position_m"], 1e3, "mm") or "-" for k in ("defect", "drift"))
     times = (r["build_cpu_s"], r["solve_cpu_s"], r["certificate_cpu_s"])
     build, solve, check = (_number(value, ".2f", "s") for value in times)
     return [
         *lines,
-        ("replay", f"{defect} off after one interval, {drift} at worst flown open loop"),
+        ("replay", f"{defect} off after one interval, {drift} at worst flown open loop{_far(r)}"),
         ("effort", f"{r['iterations']} iterations; CPU build {build}, solve {solve}, check {check}"),
     ]
+
+
+def _size(r: Mapping[str, Any]) -> str:
+    asked = "" if r["kappa_init"] is None else f", kappa_init = {r['kappa_init']}"
+    return f"N = {r['intervals']}{asked}"
+
+
+def _far(r: Mapping[str, Any]) -> str:
+    return "" if r["gates"] is None else " from gate to gate"
 
 
 def _worst(r: Mapping[str, Any]) -> str:

@@ -1,6 +1,6 @@
 """What transcriptions with unknowns at the nodes have in common: variables, ends, cost, reading a node.
 
-Unknowns: q (N + 1, n_q), v (N + 1, n_q) nodal velocities, u (N or N + 1, n_u), T (phases, 1) durations.
+Unknowns: q (N + 1, n_q), v (N + 1, n_v) nodal velocities, u (N or N + 1, n_u), T (phases, 1) durations.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import Literal
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from benchbench.dynamics import Grid, Node
 from benchbench.model import Model
@@ -39,7 +40,7 @@ class NodalTrajectory:
     def node(self) -> Node:
         """Expressions of node k: z = [q_k, v_k, T] or [q_k, q_{k+1}, T], p = [time weights, step weights]."""
         n, phases = len(self.model.configuration.names), len(self.grid.phases)
-        q, second = ca.SX.sym("q", n), ca.SX.sym("second", n)
+        q, second = ca.SX.sym("q", n), ca.SX.sym("second", len(self.model.velocity.names))
         duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", 2 * phases)
         time, step = ca.dot(p[:phases], duration), ca.dot(p[phases:], duration)
         velocity = second if self.velocities == "nodal" else (second - q) / step
@@ -47,8 +48,8 @@ class NodalTrajectory:
 
     def slots(self, nodes: Sequence[int]) -> tuple[Slot, ...]:
         """Unknowns of `node.z`."""
-        n = len(self.model.configuration.names)
-        second = rows("v", n, nodes) if self.velocities == "nodal" else rows("q", n, [k + 1 for k in nodes])
+        n, m = len(self.model.configuration.names), len(self.model.velocity.names)
+        second = rows("v", m, nodes) if self.velocities == "nodal" else rows("q", n, [k + 1 for k in nodes])
         return (rows("q", n, nodes), second, durations(self.grid, len(nodes)))
 
     def parameters(self, nodes: Sequence[int]) -> Array:
@@ -59,12 +60,12 @@ class NodalTrajectory:
 
     def decode(self, values: dict[str, Array], progress: Array) -> Plan:
         """Turn named values into a plan."""
-        c, u = self.model.configuration, self.model.inputs
+        c, w, u = self.model.configuration, self.model.velocity, self.model.inputs
         return Plan(
             time=self.grid.time_weights @ values["T"].ravel(),
             configuration=values["q"], velocity=values["v"], inputs=values["u"], progress=progress,
             interpolation=self.interpolation, coordinate_names=c.names, coordinate_units=c.units,
-            input_names=u.names, input_units=u.units,
+            input_names=u.names, input_units=u.units, velocity_names=w.names, velocity_units=w.units,
         )  # fmt: skip
 
     def encode(self, plan: Plan) -> dict[str, Array]:
@@ -91,29 +92,48 @@ def durations(grid: Grid, instances: int) -> Slot:
     return rows("T", len(grid.phases), [0] * instances)
 
 
+def own_duration(grid: Grid, intervals: Sequence[int] | None = None) -> tuple[Slot, Array]:
+    """Slot of the duration T of each interval's own phase, and its share 1 / n: h = share T, (intervals, 1)."""
+    phase = np.repeat(np.arange(len(grid.phases)), [p.intervals for p in grid.phases])
+    share = 1.0 / np.array([p.intervals for p in grid.phases])[phase, None]
+    which = np.arange(grid.intervals) if intervals is None else np.asarray(intervals)
+    return rows("T", 1, phase[which]), share[which]
+
+
 def nodal_variables(
     scenario: Scenario, model: Model, grid: Grid, input_rows: int, velocity_limits: bool = True
 ) -> tuple[Variable, ...]:
-    """q, v, u, T with their bounds; start and end are fixed and at rest, guesses are a straight line at hover."""
+    """q, v, u, T with their bounds; fixed start at rest, guesses are a straight line at hover."""
     start, end = scenario.start_point(model), scenario.end_point(model)
-    q = scenario.limits(model)
+    q, last = scenario.limits(model), scenario.ends(model)
     nodes = grid.intervals + 1
     share = np.linspace(0.0, 1.0, nodes)[:, None]
-    v = scenario.planned_rates(model)
-    far = np.full_like(v.lower, np.inf)
-    low_v, high_v = (v.lower, v.upper) if velocity_limits else (-far, far)
-    rest = np.zeros_like(start)
-    total = scenario.travel_time_guess
+    flown = scenario.flown(model, nodes)
+    low_v, high_v = scenario.planned_rates_at(model, flown)
+    if not velocity_limits:
+        low_v, high_v = np.full_like(low_v, -np.inf), np.full_like(high_v, np.inf)
+    low_q, high_q = (np.tile(b, (nodes, 1)) for b in (q.lower, q.upper))
     u_ref = model.hover()
-    low_u, high_u = (np.tile(b, (input_rows, 1)) for b in (model.inputs.lower, model.inputs.upper))
+    low_u, high_u = model.input_limits(flown[input_intervals(grid, input_rows)])
     if scenario.hover_ends:
         low_u[[0, -1]] = high_u[[0, -1]] = u_ref
+    line = (1 - share) * start + share * end
+    way = np.zeros_like(low_v)
+    if way.shape == line.shape:
+        way += (end - start) / scenario.travel_time_guess
     return (
-        _with_ends("q", q.lower, q.upper, start, end, (1 - share) * start + share * end, nodes),
-        _with_ends("v", low_v, high_v, rest, rest, np.tile((end - start) / total, (nodes, 1)), nodes),
+        _with_ends("q", low_q, high_q, start, (last.lower_q, last.upper_q), line),
+        _with_ends("v", low_v, high_v, np.zeros_like(low_v[0]), (last.lower_v, last.upper_v), way),
         Variable("u", low_u, high_u, np.tile(u_ref, (input_rows, 1))),
         Variable("T", _column(grid, "lower"), _column(grid, "upper"), _column(grid, "guess"), "s"),
     )
+
+
+def input_intervals(grid: Grid, input_rows: int) -> NDArray[np.int64]:
+    """Node at which the limits of each row of inputs hold: its own, or the first of its interval."""
+    if input_rows == grid.intervals + 1:
+        return np.arange(input_rows)
+    return np.arange(input_rows) // (input_rows // grid.intervals)
 
 
 def cost(
@@ -121,23 +141,27 @@ def cost(
 ) -> tuple[Block, ...]:
     """t_N + c_u sum_k h_k |u_k - u_ref|^2 (paper Eq. 33, squared as in the authors' public demo code).
 
-    With `per_interval` control points in each interval each has its share of the step.
+    With `per_interval` control points in each interval each has its share of the step; no effort for c_u = 0.
     """
-    phases, n_u = len(grid.phases), len(model.inputs.names)
+    n_u = len(model.inputs.names)
     s = ca.SX.sym("sigma")
-    duration = ca.SX.sym("T", phases)
+    duration = ca.SX.sym("T", len(grid.phases))
     time = ca.Function("travel_time", [duration, ca.SX.sym("p", 0), s], [ca.sum1(duration)])
-    u, weights, p = ca.SX.sym("u", n_u), ca.SX.sym("T", phases), ca.SX.sym("p", phases + 1 + n_u)
-    effort = p[phases] * ca.dot(p[:phases], weights) * ca.sumsqr(u - p[phases + 1 :])
-    interval = np.minimum(np.arange(input_rows) // per_interval, grid.intervals - 1)
-    steps = grid.step_weights[interval] / per_interval
-    constants = np.tile([scenario.input_cost, *model.hover()], (input_rows, 1))
     none = np.zeros((input_rows, 1))
+    total = Block("travel_time", time, (durations(grid, 1),), np.zeros((1, 0)), none[:1], none[:1], "s")
+    if scenario.input_cost == 0.0:
+        return (total,)
+    u, own, p = ca.SX.sym("u", n_u), ca.SX.sym("T"), ca.SX.sym("p", 2 + n_u)
+    effort = p[1] * p[0] * own * ca.sumsqr(u - p[2:])
+    interval = np.minimum(np.arange(input_rows) // per_interval, grid.intervals - 1)
+    slot, steps = own_duration(grid, interval.tolist())
+    steps = steps / per_interval
+    constants = np.tile([scenario.input_cost, *model.hover()], (input_rows, 1))
     return (
-        Block("travel_time", time, (durations(grid, 1),), np.zeros((1, 0)), none[:1], none[:1], "s"),
+        total,
         Block(
-            "input_cost", ca.Function("input_cost", [ca.vertcat(u, weights), p, s], [effort]),
-            (rows("u", n_u, range(input_rows)), durations(grid, input_rows)), np.hstack([steps, constants]),
+            "input_cost", ca.Function("input_cost", [ca.vertcat(u, own), p, s], [effort]),
+            (rows("u", n_u, range(input_rows)), slot), np.hstack([steps, constants]),
             none, none, "s",
         ),
     )  # fmt: skip
@@ -160,33 +184,30 @@ def each_interval(
     bounds: tuple[float, float] = (0.0, 0.0),
 ) -> Block:  # fmt: skip
     """Block `rule(q0, v0, q1, v1, u0, [u1], h)` on every interval, rows bounded by `bounds`."""
-    n, n_u, phases, count = (
-        len(model.configuration.names),
-        len(model.inputs.names),
-        len(grid.phases),
-        grid.intervals,
-    )
-    state = [ca.SX.sym(k, n) for k in ("q0", "v0", "q1", "v1")]
+    sizes = {"q": len(model.configuration.names), "v": len(model.velocity.names)}
+    n_u, count = len(model.inputs.names), grid.intervals
+    state = [ca.SX.sym(f"{k}{side}", sizes[k]) for side in (0, 1) for k in ("q", "v")]
     inputs = [ca.SX.sym(f"u{i}", n_u) for i in range(inputs_per_interval)]
-    duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", phases)
-    out = rule(*state, *inputs, ca.dot(p, duration))
+    duration, p = ca.SX.sym("T"), ca.SX.sym("p")
+    out = rule(*state, *inputs, p * duration)
     function = ca.Function(name, [ca.vertcat(*state, *inputs, duration), p, ca.SX.sym("sigma")], [out])
     left, right = range(count), range(1, count + 1)
+    own, share = own_duration(grid)
     slots = (
-        *(rows(k, n, which) for which in (left, right) for k in ("q", "v")),
+        *(rows(k, sizes[k], which) for which in (left, right) for k in ("q", "v")),
         *(rows("u", n_u, which) for which in (left, right)[:inputs_per_interval]),
-        durations(grid, count),
+        own,
     )
     low, high = (np.full((count, out.shape[0]), bound) for bound in bounds)
-    return Block(name, function, slots, grid.step_weights, low, high, unit)
+    return Block(name, function, slots, share, low, high, unit)
 
 
 def _with_ends(
-    name: str, low: Array, high: Array, first: Array, last: Array, guess: Array, nodes: int
+    name: str, lower: Array, upper: Array, first: Array, last: tuple[Array, Array], guess: Array
 ) -> Variable:
-    lower, upper = np.tile(low, (nodes, 1)), np.tile(high, (nodes, 1))
     lower[0] = upper[0] = guess[0] = first
-    lower[-1] = upper[-1] = guess[-1] = last
+    lower[-1], upper[-1] = last
+    guess[-1] = np.clip(guess[-1], *last)
     return Variable(name, lower, upper, guess)
 
 

@@ -16,6 +16,7 @@ from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.motion import sample
 from benchbench.mpcc import Block, Mpcc, Variable, rows
 from benchbench.plan import Array
+from benchbench.race.scenario import Race
 from benchbench.solver import Setup
 
 
@@ -23,9 +24,14 @@ def validate(case: Case) -> None:
     """Raise BadInput for the first thing that cannot be."""
     _numbers(case)
     _vehicle(case)
+    if isinstance(case.scenario, Race):
+        _racer(case)
     _pose("start", case.scenario.start_point(case.model), case)
     _pose("end", case.scenario.end_point(case.model), case)
-    _reachable(case)
+    if isinstance(case.scenario, Race):
+        _course(case.scenario, case)
+    else:
+        _reachable(case)
     _solver(case)
 
 
@@ -111,6 +117,32 @@ def _reachable(case: Case) -> None:
         raise BadInput("scenario.target", problem, "a nearer target, or a longer scenario.travel_time")
     if bound > latest:
         problem = f"{latest:g} s are too short, at full speed the flight takes {bound:.3f} s"
+        raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
+
+
+def _racer(case: Case) -> None:
+    """The vehicle says what a race is guessed from."""
+    try:
+        case.model.specific_thrust(np.zeros(1))
+    except NotImplementedError:
+        able = "race_quadrotor, race_ramp, or a model that gives specific_thrust and follow"
+        raise IncompatibleCase("vehicle", f"'{case.names['vehicle']}' cannot race", able) from None
+
+
+def _course(race: Race, case: Case) -> None:
+    """Every gate can be reached at least in part, and there is time for the race."""
+    limits = race.limits(case.model)
+    for number, goal in enumerate(race.goals, 1):
+        for axis, value in zip(AXES, goal.position, strict=True):
+            i = limits.index(axis)
+            low, high = limits.lower[i] - goal.radius, limits.upper[i] + goal.radius
+            if not low <= value <= high:
+                name = "end" if number == len(race.goals) else f"gate {number}"
+                problem = f"{axis} = {value:g} m of the {name} is outside the workspace"
+                raise BadInput("scenario.track", problem, f"{low:g} to {high:g} m")
+    bound = lower_bound(race, case.model, case.model.plant())
+    if bound > race.travel_time[1]:
+        problem = f"{race.travel_time[1]:g} s are too short for this race"
         raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
 
 

@@ -79,7 +79,8 @@ def test_record_has_every_column_with_its_type_and_no_nan(certified: tuple[Path,
         assert isinstance(value, TYPES[column.type]) or value is None, column.name
         assert not isinstance(value, float) or math.isfinite(value), column.name
     unknown = {name for name, value in record.items() if value is None}
-    assert unknown <= {"git_commit", "git_dirty"}  # an installed package has no checkout
+    races = {"gates", "gates_passed", "gate_worst_miss_m"}
+    assert unknown <= {"git_commit", "git_dirty", *races}  # an installed package has no checkout
     assert record["threads"] == 1
 
 
@@ -147,7 +148,7 @@ def test_broken_solver_leaves_a_record(tmp_path: Path, how: str, reason: str) ->
 @pytest.mark.parametrize(
     ("arguments", "field", "says"),
     [
-        (["solver=ipopt"], "scenario", "one of circle, linear, static"),
+        (["solver=ipopt"], "scenario", "one of circle, linear, race, static"),
         (["+scenario=static", "scenario.kapa_init=3"], "scenario.kapa_init", "perhaps 'kappa_init' is meant"),
         (["+scenario=static", "+solver.options.nonsense=1"], "solver", "No such IPOPT option: nonsense"),
         (["+scenario=static", "output=/proc/nope"], "output", "a folder you may write to"),
@@ -184,7 +185,7 @@ def test_traceback_is_shown_when_asked(tmp_path: Path) -> None:
 def test_without_arguments_it_explains_itself(tmp_path: Path) -> None:
     done = program(tmp_path)
     assert_refused(done, "scenario", "+scenario=NAME")
-    assert "+scenario    circle, linear, static" in done.stdout
+    assert "+scenario    circle, linear, race, static" in done.stdout
     assert not list(tmp_path.iterdir())
 
 
@@ -206,7 +207,7 @@ def test_console_script_helps_with_the_choices_of_an_own_folder(tmp_path: Path) 
     command = [script, "--help", "--config-dir", "own"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "circle, conveyor, linear, static" in done.stdout
+    assert "circle, conveyor, linear, race, static" in done.stdout
     assert "long_arm, " in done.stdout
     assert max(map(len, done.stdout.splitlines())) <= 80
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-FINER = "raise scenario.intervals, or take dynamics=collocation"
+FINER = "raise scenario.intervals (races: scenario.nodes_per_gate), or take dynamics=collocation"
 ADVICE = (
     ("finite", "start from another guess, or take another solver"),
     ("time", "start from another guess, or take another solver"),
@@ -22,6 +22,8 @@ ADVICE = (
     ("contact_progress", "take guess=phases or strategy=phases, or another relaxation"),
     ("contact_seconds", "take strategy=phases, which holds the contact for scenario.contact_seconds"),
     ("contact", f"raise scenario.contact_margin of that contact, or {FINER}"),
+    ("segment", FINER),
+    ("gate", f"{FINER}; raise scenario.gate_margin"),
     ("path", "raise accuracy or iteration_limit"),
 )
 """Beginning of a check's name and what helps; the first that fits counts."""

@@ -7,6 +7,7 @@ import numpy as np
 from benchbench.model import Model, Plant
 from benchbench.motion import sample
 from benchbench.plan import Array
+from benchbench.race.scenario import Race
 from benchbench.scenario import Scenario
 
 AXES = ("x", "y", "z")
@@ -24,6 +25,8 @@ def lower_bound(scenario: Scenario, model: Model, plant: Plant) -> float:
     index = [model.configuration.index(name) for name in AXES]
     speed = model.velocity.upper[index]
     start, end = scenario.start_point(model)[index], scenario.end_point(model)[index]
+    if isinstance(scenario, Race):
+        return race_bound(scenario, model, plant)
     direct = float(np.max(np.abs(end - start) / speed))
     if "position" not in scenario.contacts:
         return direct
@@ -34,6 +37,22 @@ def lower_bound(scenario: Scenario, model: Model, plant: Plant) -> float:
     reachable = np.all(np.abs(target - start) <= close + speed * (time[:, None] + STEP), axis=1)
     rest = np.max(np.maximum(np.abs(target - end) - close, 0.0) / speed, axis=1)
     return max(direct, float(np.min(np.where(reachable, time + rest, np.inf))))
+
+
+def race_bound(race: Race, model: Model, plant: Plant) -> float:
+    """Return a time in s that no race can beat, from thrust alone: L <= a t^2 / 2 from rest, where nothing limits speed.
+
+    L is the length of the straight lines between the gates' balls, a = |thrust| + gravity the largest acceleration; no
+    drag pushes. Attitude and body rates play no part.
+    """
+    points = [race.start_position, *(goal.position for goal in race.goals)]
+    radii = [0.0, *(goal.radius for goal in race.goals)]
+    apart = np.linalg.norm(np.diff(points, axis=0), axis=1) - radii[:-1] - np.array(radii[1:])
+    still = np.zeros(len(model.velocity.names))
+    gravity = plant.acceleration(model.origin(), still, 0 * model.hover())[:3]
+    thrust = np.max(model.specific_thrust(race.flown(model, race.intervals + 1)))
+    most = float(thrust + np.linalg.norm(gravity))
+    return float(np.sqrt(2 * np.sum(np.maximum(apart, 0.0)) / most))
 
 
 def arm_reach(model: Model, plant: Plant, samples: int = 181) -> float:

@@ -44,6 +44,9 @@ class Measures:
     contact_max_speed_gap_mps: float | None = None
     contact_max_heading_error_rad: float | None = None
     max_rate_ratio: float | None = None
+    gate_worst_miss_m: float | None = None
+    gates: int | None = None
+    gates_passed: int | None = None
 
 
 @dataclass(frozen=True)

@@ -47,14 +47,15 @@ def soundness(plan: Plan) -> Checks:
 
 def planned(plan: Plan, scenario: Scenario, model: Model, limits: Limits) -> Checks:
     """Check ends and limits at the nodes, to numeric accuracy."""
-    names, units, rates = plan.coordinate_names, plan.coordinate_units, model.velocity.units
+    names, units = plan.coordinate_names, plan.coordinate_units
+    moving, rates = plan.velocity_names, plan.velocity_units
     ends = (("start", 0, scenario.start_point(model)), ("end", -1, scenario.end_point(model)))
     for where, k, point in ends:
         gap, (i,) = worst(np.abs(plan.configuration[k] - point))
         what = f"distance of planned '{names[i]}' from the {where}"
         yield at_most(f"planned_{where}", what, gap, limits.node, units[i])
         speed, (i,) = worst(np.abs(plan.velocity[k]))
-        what = f"planned rate of '{names[i]}' at the {where}"
+        what = f"planned rate of '{moving[i]}' at the {where}"
         yield at_most(f"planned_{where}_rest", what, speed, limits.node, rates[i])
     boxes = (
         ("configuration", plan.configuration, scenario.limits(model)),
@@ -90,7 +91,7 @@ def flown(plan: Plan, flight: Replay, scenario: Scenario, model: Model, limits: 
             what = f"'{box.names[mine[i]]}'"
             yield at_most(f"replay_{kind}", what, value, limit, unit, _at(flight, k), EXCEEDS)
     value, (k, i) = worst(rate_ratio(flight.velocity, model.velocity))
-    what = f"rate of '{box.names[i]}'"
+    what = f"rate of '{plan.velocity_names[i]}'"
     yield at_most("replay_rate", what, value, limits.rate_ratio, TIMES, _at(flight, k))
     missed = flight.configuration[-1:] - scenario.end_point(model)
     what = "distance from the end on the replay"
@@ -98,7 +99,7 @@ def flown(plan: Plan, flight: Replay, scenario: Scenario, model: Model, limits: 
     what = "angle from the end on the replay"
     yield at_most("replay_end_angle", what, float(angle(plan, missed)[0]), limits.end_angle, "rad")
     value, (i,) = worst(rate_ratio(flight.velocity[-1], model.velocity))
-    what = f"rate of '{box.names[i]}' at the end of the replay"
+    what = f"rate of '{plan.velocity_names[i]}' at the end of the replay"
     yield at_most("replay_end_rest", what, value, limits.end_velocity_ratio, TIMES)
 
 
@@ -165,9 +166,14 @@ def distance(plan: Plan, difference: Array) -> Array:
 
 
 def angle(plan: Plan, difference: Array) -> Array:
-    """Return the largest of the coordinates in rad, (n,), from differences (n, n_q)."""
+    """Return the largest of the coordinates in rad, (n,), from differences (n, n_q).
+
+    Four coordinates without a unit are a quaternion, whose small differences are half an angle.
+    """
     turned = np.abs(difference[:, [u == "rad" for u in plan.coordinate_units]])
-    return np.asarray(np.max(turned, axis=1, initial=0.0))
+    quaternion = difference[:, [u == "1" for u in plan.coordinate_units]]
+    half = np.linalg.norm(quaternion, axis=1)
+    return np.asarray(np.maximum(np.max(turned, axis=1, initial=0.0), 2 * half))
 
 
 def spoken(name: str) -> str:

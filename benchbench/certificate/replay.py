@@ -7,7 +7,7 @@ planned state), `replay` what the vehicle does open loop from the first state on
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,7 +30,7 @@ ALLOWANCE = 100
 class Defects:
     """State reached at the end of each interval from its planned first state, minus the planned last state.
 
-    configuration, velocity: (N, n_q); NaN where the integration broke down.
+    configuration (N, n_q), velocity (N, n_v); NaN where the integration broke down.
     """
 
     configuration: Array
@@ -41,7 +41,7 @@ class Defects:
 class Replay:
     """Dense open-loop flight; NaN after a breakdown.
 
-    time (m,) s; configuration, velocity (m, n_q); nodes (N + 1,) positions of the plan's nodes in `time`;
+    time (m,) s; configuration (m, n_q), velocity (m, n_v); nodes (N + 1,) positions of the plan's nodes in `time`;
     restarts: nodes at which the flight starts again from the planned state (the sample there is the one
     before the restart); broken_at: s, None when the whole plan was flown.
     """
@@ -57,28 +57,35 @@ class Replay:
 def defects(plan: Plan, plant: Plant) -> Defects:
     """Integrate all intervals at once, each from its planned state."""
     start = np.hstack([plan.configuration, plan.velocity])
-    rate = _rate(plant, np.diff(plan.time)[:, None], plan.input_pieces)
+    half = plan.configuration.shape[1]
+    rate = _rate(plant, half, np.diff(plan.time)[:, None], plan.input_pieces)
     end = _integrate(rate, start[:-1].ravel(), np.ones(1), EVALUATIONS)[0]
     missed = end.reshape(start[1:].shape) - start[1:]
-    half = plan.configuration.shape[1]
     return Defects(missed[:, :half], missed[:, half:])
 
 
-def replay(plan: Plan, plant: Plant, samples: int = 10, restart_seconds: float | None = None) -> Replay:
+def replay(
+    plan: Plan,
+    plant: Plant,
+    samples: int = 10,
+    restart_seconds: float | None = None,
+    restart_nodes: Sequence[int] = (),
+) -> Replay:
     """Fly the inputs from the first planned state, `samples` points per interval.
 
-    With `restart_seconds` the flight starts again from the planned state at the nodes nearest to
-    its multiples: an unstable vehicle cannot be flown open loop for long.
+    The flight starts again from the planned state at `restart_nodes`, and with `restart_seconds` at the nodes
+    nearest to its multiples: an unstable vehicle cannot be flown open loop for long.
     """
     planned = np.hstack([plan.configuration, plan.velocity])
     pieces = plan.input_pieces
     step, fractions = np.diff(plan.time), np.arange(1, samples + 1) / samples
-    restarts = _restarts(plan.time, restart_seconds)
+    half = plan.configuration.shape[1]
+    restarts = tuple(sorted({*_restarts(plan.time, restart_seconds), *restart_nodes}))
     flown = np.full((plan.intervals * samples + 1, planned.shape[1]), np.nan)
     flown[0] = state = planned[0]
     budget = EVALUATIONS + ALLOWANCE * plan.intervals
     for k in range(plan.intervals):
-        rate = _rate(plant, step[k], pieces[k])
+        rate = _rate(plant, half, step[k], pieces[k])
         rows = slice(k * samples + 1, (k + 1) * samples + 1)
         flown[rows] = _integrate(rate, state, fractions, budget)
         budget -= rate.calls
@@ -88,7 +95,6 @@ def replay(plan: Plan, plant: Plant, samples: int = 10, restart_seconds: float |
     inner = plan.time[:-1, None] + step[:, None] * np.arange(samples) / samples
     time = np.append(inner.ravel(), plan.time[-1])
     broken = ~np.isfinite(flown).all(axis=1)
-    half = plan.configuration.shape[1]
     broken_at = float(time[np.argmax(broken)]) if broken.any() else None
     nodes = np.arange(plan.intervals + 1, dtype=np.int64) * samples
     return Replay(time, flown[:, :half], flown[:, half:], nodes, restarts, broken_at)
@@ -97,16 +103,17 @@ def replay(plan: Plan, plant: Plant, samples: int = 10, restart_seconds: float |
 class _rate:  # noqa: N801  (used as a function)
     """d[q, v]/ds over intervals of length `step` s, with inputs by control points; counts its calls."""
 
-    def __init__(self, plant: Plant, step: Array, points: Array) -> None:
-        self.plant, self.step, self.points, self.calls = plant, step, points, 0
+    def __init__(self, plant: Plant, half: int, step: Array, points: Array) -> None:
+        self.plant, self.half, self.step, self.points, self.calls = plant, half, step, points, 0
 
     def __call__(self, s: float, y: Array) -> Array:
         self.calls += 1
         state = y.reshape(*self.points.shape[:-2], -1)
-        half = state.shape[-1] // 2
+        half = self.half
         q, v = state[..., :half], state[..., half:]
         out = np.empty_like(state)
-        out[..., :half], out[..., half:] = v, self.plant.acceleration(q, v, bezier(self.points, s))
+        out[..., :half] = self.plant.kinematics(q, v)
+        out[..., half:] = self.plant.acceleration(q, v, bezier(self.points, s))
         return (self.step * out).ravel()
 
 

@@ -17,9 +17,11 @@ from matplotlib.patches import Patch
 from benchbench.certificate.replay import Replay
 from benchbench.model import Model
 from benchbench.plan import Plan
+from benchbench.race.scenario import Race
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.limits_panel import contact_panels, limit_panels
 from benchbench.report.panel import Panel, draw_panel
+from benchbench.report.race import race_figure
 from benchbench.report.style import BAD, CONTACT, GOOD, INK, LIMIT, RC
 from benchbench.report.views import Scene, draw_view, label_times, legend_handles, scene
 from benchbench.scenario import Scenario
@@ -61,6 +63,11 @@ def draw(
     verdict  "certified", or "NOT certified: <first reason>"
     Raises BadInput("output", ...) when the file system refuses.
     """
+    if isinstance(scenario, Race):
+        with mpl.rc_context(RC), replacing(path) as temporary:
+            figure = race_figure(plan, scenario, model, replay, title, verdict)
+            figure.savefig(temporary, format="png", dpi=DPI)
+        return
     sheet = page(plan, scenario, model, replay, title, verdict)
     with mpl.rc_context(RC), replacing(path) as temporary:
         compose(sheet, replay is not None).savefig(temporary, format="png", dpi=DPI)

@@ -80,7 +80,7 @@ def _plan(tables: dict[str, _Table]) -> Plan:
     interpolation: Interpolation = {len(q.time) - 1: "hold", len(q.time): "linear"}.get(len(u.time), "bezier")  # type: ignore[assignment]
     return Plan(
         q.time, q.values, v.values, u.values, progress.values[:, 0], interpolation,
-        q.names, q.units, u.names, u.units,
+        q.names, q.units, u.names, u.units, v.names, v.units,
     )  # fmt: skip
 
 

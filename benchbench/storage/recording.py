@@ -92,13 +92,12 @@ def _write(
 
 def plan_series(plan: Plan, scenario: Scenario, model: Model) -> Iterator[Series]:
     """The numbers of a plan, one row per node (for inputs per interval or control point)."""
-    rates = [f"{unit}/s" for unit in plan.coordinate_units]
     tool, _ = model.plant().tool(plan.configuration, plan.velocity)
     target, _ = sample(scenario.target, plan.time)
     yield Series(
         "/plan/configuration", plan.time, plan.coordinate_names, plan.coordinate_units, plan.configuration
     )
-    yield Series("/plan/velocity", plan.time, plan.coordinate_names, rates, plan.velocity)
+    yield Series("/plan/velocity", plan.time, plan.velocity_names, plan.velocity_units, plan.velocity)
     yield Series("/plan/inputs", plan.input_times, plan.input_names, plan.input_units, plan.inputs)
     yield Series("/plan/progress", plan.time, ["epsilon"], ["1"], plan.progress[:, None])
     yield Series("/plan/end_effector", plan.time, XYZ, METRES, tool)
@@ -109,7 +108,6 @@ def replay_series(replay: Replay | None, plan: Plan, model: Model) -> Iterator[S
     """The numbers of a replay, on its own grid; nothing without a replay."""
     if replay is None:
         return
-    rates = [f"{unit}/s" for unit in plan.coordinate_units]
     tool, _ = model.plant().tool(replay.configuration, replay.velocity)
     yield Series(
         "/replay/configuration",
@@ -118,7 +116,7 @@ def replay_series(replay: Replay | None, plan: Plan, model: Model) -> Iterator[S
         plan.coordinate_units,
         replay.configuration,
     )
-    yield Series("/replay/velocity", replay.time, plan.coordinate_names, rates, replay.velocity)
+    yield Series("/replay/velocity", replay.time, plan.velocity_names, plan.velocity_units, replay.velocity)
     yield Series("/replay/end_effector", replay.time, XYZ, METRES, tool)
 
 

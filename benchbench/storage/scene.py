@@ -28,6 +28,7 @@ from foxglove.messages import (
 
 from benchbench.motion import sample
 from benchbench.plan import Array, Plan
+from benchbench.race.scenario import Race
 from benchbench.storage.entry import Entry, nanoseconds
 
 if TYPE_CHECKING:
@@ -54,7 +55,8 @@ def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Ite
         poses = [_pose(p, q) for p, q in zip(position, quaternion, strict=True)]
         channel = PosesInFrameChannel(f"/path/{name}", context=context)
         yield Entry(0, channel, PosesInFrame(timestamp=_stamp(0), frame_id=WORLD, poses=poses))
-    yield Entry(0, view, SceneUpdate(entities=[_path_lines(paths)]))
+    gates = [_gates(scenario)] if isinstance(scenario, Race) else []
+    yield Entry(0, view, SceneUpdate(entities=[_path_lines(paths), *gates]))
     for k, log_time in enumerate(log_times):
         yield Entry(log_time, frames, FrameTransforms(transforms=_transforms(paths, k, log_time)))
         body = _body(model.plant().skeleton(plan.configuration[k]), log_time)
@@ -64,12 +66,15 @@ def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Ite
 def vehicle_pose(names: tuple[str, ...], q: Array) -> tuple[Array, Array]:
     """Position (n, 3) m and unit quaternion (n, 4) x, y, z, w from coordinates q (n, n_q) by name.
 
-    Reads x, y, z and the angles roll, pitch, yaw of R = Rz(yaw) Ry(pitch) Rx(roll); what a model does
-    not have is 0.
+    Reads x, y, z and either the quaternion qw, qx, qy, qz or the angles roll, pitch, yaw of
+    R = Rz(yaw) Ry(pitch) Rx(roll); what a model does not have is 0.
     """
     column = {name: q[:, i] for i, name in enumerate(names)}
     none = np.zeros(len(q))
     position = np.stack([column.get(axis, none) for axis in ("x", "y", "z")], axis=-1)
+    if "qw" in column:
+        turn = np.stack([column[name] for name in ("qx", "qy", "qz", "qw")], axis=-1)
+        return position, turn / np.linalg.norm(turn, axis=-1, keepdims=True)
     half = [column.get(angle, none) / 2 for angle in ("roll", "pitch", "yaw")]
     (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
     quaternion = [
@@ -123,6 +128,19 @@ def _points(paths: Paths, k: int, log_time: int) -> SceneEntity:
         spheres=[SpherePrimitive(pose=tool, size=_vector([SPHERE_M] * 3), color=PINK)],
         cubes=[CubePrimitive(pose=target, size=_vector([CUBE_M] * 3), color=OLIVE)],
     )
+
+
+def _gates(race: Race) -> SceneEntity:
+    clear = Color(r=0.50, g=0.50, b=0.0, a=0.4)
+    balls = [
+        SpherePrimitive(
+            pose=_pose(np.array(gate.position), np.array([0.0, 0.0, 0.0, 1.0])),
+            size=_vector([2 * gate.radius] * 3),
+            color=clear,
+        )
+        for gate in race.goals
+    ]
+    return SceneEntity(timestamp=_stamp(0), frame_id=WORLD, id="gates", spheres=balls)
 
 
 def _line(points: Array, color: Color) -> LinePrimitive:

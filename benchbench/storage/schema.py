@@ -81,7 +81,7 @@ COLUMNS: tuple[Column, ...] = (
     # certificate: replay of the inputs on the independent plant
     Column("replay_defect_position_m", "float", "m", "largest position error after one interval, replay restarted at each node"),
     Column("replay_defect_angle_rad", "float", "rad", "largest angle error after one interval, replay restarted at each node"),
-    Column("replay_drift_position_m", "float", "m", "largest position error at a node of the open-loop replay of the whole plan"),
+    Column("replay_drift_position_m", "float", "m", "largest position error at a node of the open-loop replay of the whole plan; races: since the gate before"),
     Column("replay_end_error_m", "float", "m", "position error at the end of the open-loop replay"),
     Column("max_rate_ratio", "float", "", "largest |velocity| / limit in the replay, also between nodes"),
     # certificate: contact audit
@@ -92,6 +92,10 @@ COLUMNS: tuple[Column, ...] = (
     Column("contact_max_distance_m", "float", "m", "largest distance of end effector and target in the window"),
     Column("contact_max_speed_gap_mps", "float", "m/s", "largest relative speed of end effector and target in the window"),
     Column("contact_max_heading_error_rad", "float", "rad", "largest heading error in the window"),
+    # certificate: races
+    Column("gates", "int", "", "gates of a race before its end"),
+    Column("gates_passed", "int", "", "gates passed in order on the replay"),
+    Column("gate_worst_miss_m", "float", "m", "largest distance beyond a gate's radius on the replay, negative inside"),
     # provenance
     Column("benchbench_version", "str", "", "version of BenchBench"),
     Column("python_version", "str", "", "version of Python"),

@@ -143,8 +143,8 @@ def _directions(draw: np.random.Generator, count: int) -> Array:
 
 
 def _condition(contact: Contact, model: Model) -> tuple[Condition, ca.SX, ca.SX, ca.SX, ca.SX]:
-    n = len(model.configuration.names)
-    q, v, position, velocity = (ca.SX.sym(k, m) for k, m in (("q", n), ("v", n), ("p_T", 3), ("v_T", 3)))
+    sizes = {"q": len(model.configuration.names), "v": len(model.velocity.names), "p_T": 3, "v_T": 3}
+    q, v, position, velocity = (ca.SX.sym(k, m) for k, m in sizes.items())
     node = Node(ca.vertcat(q, v), ca.SX.sym("p", 0), ca.SX.sym("t"), q, v)
     condition = contact.condition(model, node, Target(position, velocity))
     require(condition.h.shape[1] == 1, f"h has shape {condition.h.shape}, expected (m, 1)")

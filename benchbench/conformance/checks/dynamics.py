@@ -31,14 +31,18 @@ from benchbench.conformance.checks.initial_value import (
     transcribe,
 )  # fmt: skip
 from benchbench.conformance.checks.require import close, require
-from benchbench.conformance.checks.states import at_rest, limited
+from benchbench.conformance.checks.states import at_rest, limited, normalised
 from benchbench.dynamics import Dynamics, Grid, Phase
 from benchbench.model import Model
 from benchbench.mpcc import Mpcc, evaluate, gather
 from benchbench.plan import Array, Plan
+from benchbench.scenario import Scenario
+from benchbench.transcription import input_intervals
 
 FLOOR = 1e-12
 """Errors below this are rounding and say nothing about an order."""
+AGILE = 5.0
+"""Acceleration in m/s^2 or rad/s^2 above which coarse grids are too coarse to show an order."""
 STATES = ("time", "configuration", "velocity")
 THREE_PHASES = Grid(
     (
@@ -81,8 +85,8 @@ def _three(refined: int) -> Grid:
 def flight_error(dynamics: Dynamics, model: Model, grid: Grid, signal: Signal) -> float:
     """Largest error of nodal q and v against the plant, from a moving start under the same sampled inputs."""
     transcribed = transcribe(dynamics, model, grid)
-    n = len(model.configuration.names)
-    order = told(transcribed, at_rest(model) + 0.1, 0.2 * np.cos(np.arange(n)), signal)
+    start = normalised(model, at_rest(model)[None] + 0.1)[0]
+    order = told(transcribed, start, 0.2 * np.cos(np.arange(len(model.velocity.names))), signal)
     exact = fly(model, transcribed.decode(transcribed.encode(order)))
     got = integrate(transcribed, order, exact)
     error_q, error_v = got.configuration - exact.configuration, got.velocity - exact.velocity
@@ -90,10 +94,14 @@ def flight_error(dynamics: Dynamics, model: Model, grid: Grid, signal: Signal) -
 
 
 def wave(model: Model) -> Signal:
-    """Hover and a slow wave on each input, five percent of its range."""
+    """Hover and a slow wave on each input, five percent of its range, less for an agile vehicle."""
     low, high = limited(model.inputs)
-    phase = np.arange(len(low))
-    return lambda time: model.hover() + 0.05 * (high - low) * np.sin(5 * time[:, None] + 1 + phase)
+    rest, phase = at_rest(model), np.arange(len(low))
+    still = np.zeros(len(model.velocity.names))
+    pushed = model.hover() + 0.05 * np.diag(high - low)
+    strongest = max(float(np.max(np.abs(model.plant().acceleration(rest, still, u)))) for u in pushed)
+    size = 0.05 * min(1.0, AGILE / strongest) * (high - low)
+    return lambda time: model.hover() + size * np.sin(5 * time[:, None] + 1 + phase)
 
 
 def _judge(errors: list[float], wanted: float, what: str) -> str:
@@ -166,20 +174,19 @@ def _check_node_view(transcribed: Transcribed) -> None:
 def check_limits(dynamics: Dynamics, model: Model) -> None:
     """A flight at rest keeps everything; passing any one limit at any one node is noticed."""
     first, rest = model.configuration.names[0], at_rest(model)
+    fastest = next(
+        n for n, top in zip(model.velocity.names, model.velocity.upper, strict=True) if np.isfinite(top)
+    )
     scenario = scenario_of(
-        model, workspace={first: (rest[0] - 0.5, rest[0] + 0.5)}, rate_margin={first: 0.1}, travel_time=(0.01, 30.0),
+        model, workspace={first: (rest[0] - 0.5, rest[0] + 0.5)}, rate_margin={fastest: 0.1}, travel_time=(0.01, 30.0),
     )  # fmt: skip
-    boxes = {
-        "configuration": scenario.limits(model), "velocity": scenario.planned_rates(model), "inputs": model.inputs,
-    }  # fmt: skip
     for grid in (Grid((Phase("flight", 6, 0.01, 30.0, 0.05),)), THREE_PHASES):
         transcribed = transcribe(dynamics, model, grid, scenario)
         still = transcribed.decode(transcribed.encode(_at_rest_for(transcribed, model, 0.05)))
         _expect(transcribed, still, False, "a flight at rest")
         for seconds in (0.009, 31.0):
             _expect(transcribed, _at_rest_for(transcribed, model, seconds), True, f"a flight of {seconds} s")
-        if still.interpolation == "bezier":
-            boxes.pop("inputs", None)
+        boxes = _boxes(transcribed, model, scenario, still)
         for what, box in boxes.items():
             for row, i, limit, inwards, name in _limits(box, getattr(still, what)):
                 if what == "inputs" or 0 < row < len(still.time) - 1:
@@ -244,11 +251,35 @@ def check_blocks(dynamics: Dynamics, model: Model) -> None:
     require(np.all(used), f"{np.sum(~used)} unknowns are in no constraint and no cost")
 
 
-def _limits(box: object, values: Array) -> Iterator[tuple[int, int, float, float, str]]:
+Bounds = tuple[tuple[str, ...], Array, Array]
+"""Names (n,), lower and upper limits (rows, n)."""
+
+
+def _boxes(transcribed: Transcribed, model: Model, scenario: Scenario, still: Plan) -> dict[str, Bounds]:
+    """Limits of each row of a plan; those of curved inputs are left out."""
+    grid = transcribed.trajectory.grid
+    flown = scenario.flown(model, len(still.time))
+    q = scenario.limits(model)
+    everywhere = [np.tile(b, (len(still.time), 1)) for b in (q.lower, q.upper)]
+    found: dict[str, Bounds] = {
+        "configuration": (q.names, everywhere[0], everywhere[1]),
+        "velocity": (model.velocity.names, *scenario.planned_rates_at(model, flown)),
+    }
+    if still.interpolation != "bezier":
+        found["inputs"] = (
+            model.inputs.names,
+            *model.input_limits(flown[input_intervals(grid, len(still.inputs))]),
+        )
+    return found
+
+
+def _limits(box: Bounds, values: Array) -> Iterator[tuple[int, int, float, float, str]]:
     """Every finite limit in five rows: row, column, limit, a step inwards, name."""
+    names, lower, upper = box
     for row in (0, 1, len(values) // 2, len(values) - 2, len(values) - 1):
-        for i, name in enumerate(box.names):  # type: ignore[attr-defined]
-            for limit, other in ((box.lower[i], box.upper[i]), (box.upper[i], box.lower[i])):  # type: ignore[attr-defined]
+        for i, name in enumerate(names):
+            low, high = lower[row, i], upper[row, i]
+            for limit, other in ((low, high), (high, low)):
                 if np.isfinite(limit):
                     inwards = np.clip(other - limit, -1.0, 1.0)
                     yield row, i, limit, inwards, f"{name} at row {row}"
@@ -258,7 +289,7 @@ def _at_rest_for(transcribed: Transcribed, model: Model, seconds: float) -> Plan
     plan = transcribed.decode(transcribed.mpcc.guess)
     rest = np.tile(at_rest(model), (len(plan.time), 1))
     return replace(
-        plan, time=plan.time * seconds / plan.travel_time, configuration=rest, velocity=0 * rest,
+        plan, time=plan.time * seconds / plan.travel_time, configuration=rest, velocity=0 * plan.velocity,
         inputs=np.tile(model.hover(), (len(plan.inputs), 1)),
     )  # fmt: skip
 

@@ -94,7 +94,7 @@ def fly(model: Model, plan: Plan) -> Plan:
             t: float, y: Array, inside: float = (t0 + t1) / 2, held: bool = plan.interpolation == "hold"
         ) -> Array:
             u = plan.input_at(np.array([inside if held else t]))[0]
-            return np.concatenate([y[n:], plant.acceleration(y[:n], y[n:], u)])
+            return np.concatenate([plant.kinematics(y[:n], y[n:]), plant.acceleration(y[:n], y[n:], u)])
 
         states.append(solve_ivp(flow, (t0, t1), states[-1], method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1])
     y = np.array(states)

@@ -1,9 +1,12 @@
 """What is required of a model: a Lagrangian system whose symbols and whose independent plant say the same.
 
 limits      equal lengths and names, lower <= upper, hover() within the input limits
+motion      the symbols (by the Euler-Lagrange equations, where there is a Lagrangian) give the plant's dv/dt, dq/dt
+manifold    normalised() changes nothing twice, and dq/dt keeps what it keeps
+With a Lagrangian (models without one pass):
 Lagrangian  L = v^T M(q) v / 2 - V(q) with M symmetric positive definite
-motion      the Euler-Lagrange equations give the plant's accelerations
 forces      Q . v is the power that the plant's energy gains in any direction v (virtual work)
+Always:
 geometry    tool() and nose() equal the plant's; tool velocity is its derivative; nose has length one
 rest        hover() holds some configuration within the limits
 plant       batched over leading axes
@@ -15,7 +18,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from benchbench.conformance.checks.require import close, require
-from benchbench.conformance.checks.states import at_rest, limited, random_states, symbols
+from benchbench.conformance.checks.states import at_rest, energies, limited, random_states, symbols
 from benchbench.model import Model
 from benchbench.plan import Array
 
@@ -29,7 +32,10 @@ def check_limits(model: Model) -> None:
         require(shapes == {(n,)}, f"{what}: {n} names, but units and limits have shapes {shapes}")
         require(n > 0 and len(set(of.names)) == n, f"{what}: names {of.names} repeat or are missing")
         require(np.all(of.lower <= of.upper), f"{what}: a lower limit exceeds its upper limit or is NaN")
-    require(model.velocity.names == model.configuration.names, "velocity needs the names of configuration")
+    if model.has_lagrangian:
+        require(
+            model.velocity.names == model.configuration.names, "a Lagrangian needs v = dq/dt, and its names"
+        )
     inputs, hover = model.inputs, np.asarray(model.hover())
     require(hover.shape == inputs.lower.shape, f"hover() has shape {hover.shape}")
     require(np.all((hover >= inputs.lower) & (hover <= inputs.upper)), f"hover() = {hover} breaks the limits")
@@ -37,7 +43,9 @@ def check_limits(model: Model) -> None:
 
 def check_mass_matrix(model: Model) -> None:
     """M(q) = d2L/dv2 is symmetric positive definite, and L = v^T M v / 2 + L(q, 0)."""
-    of = symbols(model)
+    if not model.has_lagrangian:
+        return
+    of = energies(model)
     for q, v, _ in zip(*random_states(model, 20), strict=True):
         mass = np.asarray(of.mass(q, v))
         close(mass, mass.T, 1e-12, "mass matrix against its transpose")
@@ -50,21 +58,38 @@ def check_mass_matrix(model: Model) -> None:
 
 
 def check_acceleration(model: Model) -> None:
-    """Euler-Lagrange equations of the symbols against the plant."""
+    """The symbols' dv/dt and dq/dt against the plant's."""
     of, states = symbols(model), random_states(model, 40)
     ours = [np.asarray(of.acceleration(*state)).ravel() for state in zip(*states, strict=True)]
     close(model.plant().acceleration(*states), ours, 1e-8, "the plant's acceleration against the symbols'")
+    rates = [np.asarray(of.rate(*state)).ravel() for state in zip(*states[:2], strict=True)]
+    close(model.plant().kinematics(*states[:2]), rates, 1e-10, "the plant's dq/dt against the symbols'")
+
+
+def check_manifold(model: Model) -> None:
+    """normalised() is a projection, and dq/dt stays on what it projects to."""
+    of, (q, v, _) = symbols(model), random_states(model, 20, seed=5)
+    for place, speed in zip(q, v, strict=True):
+        close(
+            np.asarray(of.normalised(place)).ravel(), place, 1e-12, "a normalised configuration, normalised"
+        )
+        tangent = 1e-6 * np.asarray(of.rate(place, speed)).ravel()
+        moved = np.asarray(of.normalised(place + tangent) - of.normalised(place - tangent)).ravel()
+        scale = 1e-6 * (1 + np.linalg.norm(tangent) * 1e6)
+        close(
+            moved / scale, 2 * tangent / scale, 1e-6, "dq/dt against its part along normalised configurations"
+        )
 
 
 def check_virtual_work(model: Model) -> None:
     """Q . v equals dE/dt along the plant's motion, by central differences of E; random v span all directions."""
-    of, plant = symbols(model), model.plant()
+    if not model.has_lagrangian:
+        return
+    of, plant = energies(model), model.plant()
     for q, v, u in zip(*random_states(model, 20, seed=1), strict=True):
         a = plant.acceleration(q, v, u)
-        energies = [
-            float(of.energy(q + s * v + s * s / 2 * a, v + s * a)) for s in (-2e-4, -1e-4, 1e-4, 2e-4)
-        ]
-        power = (energies[0] - 8 * energies[1] + 8 * energies[2] - energies[3]) / 12e-4
+        around = [float(of.energy(q + s * v + s * s / 2 * a, v + s * a)) for s in (-2e-4, -1e-4, 1e-4, 2e-4)]
+        power = (around[0] - 8 * around[1] + 8 * around[2] - around[3]) / 12e-4
         given = float(v @ np.asarray(of.force(q, v, u)).ravel())
         scale = 1 + abs(float(of.energy(q, v)))
         close(power / scale, given / scale, 1e-7, "power gained by the plant against Q . v")
@@ -72,7 +97,9 @@ def check_virtual_work(model: Model) -> None:
 
 def check_energy(model: Model) -> None:
     """The symbols' motion under random held inputs gains exactly the work of Q."""
-    of, q0 = symbols(model), at_rest(model)
+    if not model.has_lagrangian:
+        return
+    of, accelerate, q0 = energies(model), symbols(model).acceleration, at_rest(model)
     n = len(q0)
     draw = np.random.default_rng(2)
     share = draw.uniform(0, 0.2, len(model.inputs.names))
@@ -81,7 +108,7 @@ def check_energy(model: Model) -> None:
 
     def flow(t: float, y: Array) -> Array:
         q, v = y[:n], y[n : 2 * n]
-        a, force = (np.asarray(f(q, v, u)).ravel() for f in (of.acceleration, of.force))
+        a, force = (np.asarray(f(q, v, u)).ravel() for f in (accelerate, of.force))
         return np.concatenate([v, a, [v @ force]])
 
     end = solve_ivp(flow, (0, 0.3), start, method="DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
@@ -92,8 +119,9 @@ def check_energy(model: Model) -> None:
 def check_rest(model: Model) -> None:
     """hover() holds a configuration within the limits, by plant and by symbols."""
     q = at_rest(model)
-    a = np.asarray(symbols(model).acceleration(q, 0 * q, model.hover())).ravel()
-    close(a, 0 * q, 1e-8, "the symbols' acceleration at rest under hover()")
+    still = np.zeros(len(model.velocity.names))
+    a = np.asarray(symbols(model).acceleration(q, still, model.hover())).ravel()
+    close(a, still, 1e-8, "the symbols' acceleration at rest under hover()")
 
 
 def check_geometry(model: Model) -> None:
@@ -128,6 +156,6 @@ def check_batch(model: Model) -> None:
 
 
 CHECKS = (
-    check_limits, check_mass_matrix, check_acceleration, check_virtual_work, check_energy, check_rest,
+    check_limits, check_mass_matrix, check_acceleration, check_manifold, check_virtual_work, check_energy, check_rest,
     check_geometry, check_batch,
 )  # fmt: skip

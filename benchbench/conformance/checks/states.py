@@ -20,30 +20,58 @@ WIDE = 2.0
 class Symbols:
     """A model's expressions as functions of q, v, u."""
 
+    acceleration: ca.Function
+    rate: ca.Function
+    tool: ca.Function
+    nose: ca.Function
+    normalised: ca.Function
+
+
+@dataclass(frozen=True)
+class Energies:
+    """What only a model with a Lagrangian has."""
+
     lagrangian: ca.Function
     energy: ca.Function
     mass: ca.Function
     force: ca.Function
-    acceleration: ca.Function
-    tool: ca.Function
-    nose: ca.Function
 
 
 def symbols(model: Model) -> Symbols:
-    """Return the functions; energy is v . dL/dv - L."""
-    n, m = len(model.configuration.names), len(model.inputs.names)
-    q, v, u = ca.SX.sym("q", n), ca.SX.sym("v", n), ca.SX.sym("u", m)
-    lagrangian, tool = model.lagrangian(q, v), model.tool(q)
-    energy = ca.dot(v, ca.gradient(lagrangian, v)) - lagrangian
+    """Return the functions; tool gives position and velocity."""
+    q, v, u = _arguments(model)
+    tool = model.tool(q)
     return Symbols(
+        ca.Function("acceleration", [q, v, u], [model.acceleration(q, v, u)]),
+        ca.Function("rate", [q, v], [model.kinematics(q, v)]),
+        ca.Function("tool", [q, v], [tool, ca.jtimes(tool, q, model.kinematics(q, v))]),
+        ca.Function("nose", [q], [model.nose(q)]),
+        ca.Function("normalised", [q], [model.normalised(q)]),
+    )
+
+
+def energies(model: Model) -> Energies:
+    """Return the functions; energy is v . dL/dv - L."""
+    q, v, u = _arguments(model)
+    lagrangian = model.lagrangian(q, v)
+    energy = ca.dot(v, ca.gradient(lagrangian, v)) - lagrangian
+    return Energies(
         ca.Function("lagrangian", [q, v], [lagrangian]),
         ca.Function("energy", [q, v], [energy]),
         ca.Function("mass", [q, v], [mass_matrix(model, q, v)]),
         ca.Function("force", [q, v, u], [model.force(q, v, u)]),
-        ca.Function("acceleration", [q, v, u], [model.acceleration(q, v, u)]),
-        ca.Function("tool", [q, v], [tool, ca.jtimes(tool, q, v)]),
-        ca.Function("nose", [q], [model.nose(q)]),
     )
+
+
+def normalised(model: Model, q: Array) -> Array:
+    """Configurations (n, n_q) moved to where they live."""
+    return np.asarray(symbols(model).normalised(q.T)).T
+
+
+def _arguments(model: Model) -> tuple[ca.SX, ca.SX, ca.SX]:
+    parts = {"q": model.configuration, "v": model.velocity, "u": model.inputs}
+    q, v, u = (ca.SX.sym(name, len(of.names)) for name, of in parts.items())
+    return q, v, u
 
 
 def limited(of: Coordinates) -> tuple[Array, Array]:
@@ -53,25 +81,32 @@ def limited(of: Coordinates) -> tuple[Array, Array]:
 
 
 def random_states(model: Model, count: int, seed: int = 0) -> tuple[Array, Array, Array]:
-    """Return q, v (count, n_q) and u (count, n_u), uniform within the limits."""
+    """Return q (count, n_q), v (count, n_v) and u (count, n_u), uniform within the limits, q normalised."""
     draw = np.random.default_rng(seed)
-    return tuple(  # type: ignore[return-value]
+    q, v, u = (
         draw.uniform(*limited(of), (count, len(of.names)))
         for of in (model.configuration, model.velocity, model.inputs)
     )
+    return normalised(model, q), v, u
 
 
 def at_rest(model: Model) -> Array:
-    """Return the configuration (n_q,) nearest to the middle of the limits that hover() holds at rest."""
-    low, high = (np.asarray(bound) for bound in limited(model.configuration))
-    plant, still = model.plant(), np.zeros(len(low))
+    """Return the configuration (n_q,) near the middle of the limits that hover() holds at rest.
+
+    What has no limits stays near its value in `Model.origin`.
+    """
+    box = model.configuration
+    bounded = np.isfinite(box.lower) & np.isfinite(box.upper)
+    low, high = limited(box)
+    plant, still = model.plant(), np.zeros(len(model.velocity.names))
+    first = np.where(bounded, (low + high) / 2, model.origin())
 
     def falling(q: Array) -> Array:
         return plant.acceleration(q, still, model.hover())
 
-    found = least_squares(falling, (low + high) / 2, bounds=(low, high), xtol=1e-15)
+    found = least_squares(falling, first, bounds=(low, high), xtol=1e-15)
     require(
         np.max(np.abs(found.fun)) < 1e-9,
         f"no configuration near the middle of the limits is at rest under hover(): acceleration {found.fun}",
     )
-    return np.asarray(found.x)
+    return np.asarray(normalised(model, found.x[None])[0])

@@ -27,7 +27,10 @@ class Velocity(Contact):
         """H = |v_ee - v_T|^2 / limit^2 - 1 with v_ee from the nodal velocity."""
         q = ca.SX.sym("q", node.configuration.shape[0])
         jacobian = ca.Function("tool_jacobian", [q], [ca.jacobian(model.tool(q), q)])
-        speed = jacobian(node.configuration) @ node.velocity - target.velocity
+        speed = (
+            jacobian(node.configuration) @ model.kinematics(node.configuration, node.velocity)
+            - target.velocity
+        )
         return Condition(ca.sumsqr(speed) / self.limit**2 - 1, self.unit, (self.limit,))
 
     def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, final
+from typing import Annotated, Literal, final
 
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from benchbench import shooting
 from benchbench.dynamics import Dynamics, Grid, Trajectory
+from benchbench.errors import BadInput
 from benchbench.model import Model
 from benchbench.mpcc import Mpcc
 from benchbench.runge_kutta import Inputs, transcribe
@@ -20,13 +22,21 @@ from benchbench.tableau import RK4, composed
 class Rk4(Dynamics):
     """Explicit Runge-Kutta, `steps` equal steps inside each interval.
 
-    Stages are unknowns (see `benchbench.runge_kutta`), which is the same method: the limits hold at every
-    stage, and the explicit form never needs the inverse of the mass matrix.
+    form "stages": stages are unknowns (see `benchbench.runge_kutta`), which is the same method: the limits hold at
+    every stage, and the inverse of the mass matrix is never needed. "shooting": stages are eliminated (see
+    `benchbench.shooting`), limits hold at nodes; a third of the unknowns. "auto": shooting for a model that gives
+    its accelerations, stages for one with a Lagrangian and for polynomial inputs.
     inputs "interval", "linear" or "polynomial": see `benchbench.runge_kutta.transcribe`.
     """
 
     inputs: Inputs = "interval"
     steps: Annotated[int, Field(ge=1, le=20)] = 1
+    form: Literal["auto", "stages", "shooting"] = "auto"
+
+    def __post_init__(self) -> None:
+        """Refuse polynomials without stages; raises BadInput."""
+        if self.form == "shooting" and self.inputs == "polynomial":
+            raise BadInput("dynamics.form", "shooting takes no polynomial inputs", "stages, auto")
 
     @property
     def order(self) -> int:
@@ -35,4 +45,8 @@ class Rk4(Dynamics):
 
     def transcribe(self, scenario: Scenario, model: Model, grid: Grid) -> tuple[Mpcc, Trajectory]:
         """Return nodes, stages, their equations and the cost."""
-        return transcribe(composed(RK4, self.steps), self.inputs, scenario, model, grid)
+        tableau = composed(RK4, self.steps)
+        wanted = "stages" if model.has_lagrangian else "shooting"
+        if self.inputs == "polynomial" or (wanted if self.form == "auto" else self.form) == "stages":
+            return transcribe(tableau, self.inputs, scenario, model, grid)
+        return shooting.transcribe(tableau, self.inputs, scenario, model, grid)

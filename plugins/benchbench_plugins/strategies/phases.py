@@ -1,4 +1,4 @@
-"""The fast planner for a contact whose order is known: three phases, no complementarity."""
+"""The fast planner for contacts or gates whose order is known: phases, no complementarity."""
 
 from __future__ import annotations
 
@@ -9,6 +9,9 @@ from pydantic.dataclasses import dataclass
 from benchbench.case import Case, Ledger
 from benchbench.formulation import phases
 from benchbench.guess import straight_line
+from benchbench.race import formulation as race
+from benchbench.race.point_mass import point_mass_plan
+from benchbench.race.scenario import Race
 from benchbench.strategy import Result, Strategy, pose
 
 
@@ -17,11 +20,17 @@ from benchbench.strategy import Result, Strategy, pose
 class Phases(Strategy):
     """One smooth solve with free durations before and after the contact, from a straight line.
 
-    The relaxation and the guess of the case play no part.
+    Races: one free duration from gate to gate, from the time-optimal flight of a point mass. The relaxation and the
+    guess of the case play no part.
     """
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Guess, pose, solve."""
+        if isinstance(case.scenario, Race):
+            start = point_mass_plan(case.scenario, case, ledger)
+            with ledger.building():
+                problem = race.phases(case.scenario, case, start)
+            return pose(problem, case, ledger, "phases")
         with ledger.building():
             problem = phases(case, straight_line(case))
         return pose(problem, case, ledger, "phases")

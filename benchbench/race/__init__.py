@@ -1,0 +1,1 @@
+"""Races: ordered gates, passed in least time."""

@@ -1,0 +1,112 @@
+"""Tracks from lists, YAML and CSV, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchbench import config
+from benchbench.errors import BadInput
+from benchbench.race.scenario import Race
+from benchbench.race.track import Gate, read
+
+LAP = [[0.0, 0.0, 1.0], [5.0, 0.0, 1.0], [5.0, 5.0, 2.0]]
+
+
+def race(*overrides: str) -> Race:
+    scenario = config.compose("+scenario=race", *overrides).scenario
+    assert isinstance(scenario, Race)
+    return scenario
+
+
+def test_the_same_track_from_a_list_from_csv_and_from_yaml(tmp_path: Path) -> None:
+    wanted = (Gate((0.0, 0.0, 1.0), 0.3), Gate((5.0, 0.0, 1.0), 0.4), Gate((5.0, 5.0, 2.0), 0.3))
+    rows = [LAP[0], {"x": 5, "y": 0, "z": 1, "radius": 0.4}, LAP[2]]
+    assert read(rows, 0.3).lap == wanted
+    table = tmp_path / "track.csv"
+    table.write_text("# shuffled\nx,y,z,radius,order\n5,5,2,0.3,30\n0,0,1,0.3,10\n\n5,0,1,0.4,20\n")
+    assert read(table, 1.0).lap == wanted
+    listed = tmp_path / "track.yaml"
+    listed.write_text("- [0, 0, 1]\n- {x: 5, y: 0, z: 1, radius: 0.4}\n- [5, 5, 2]\n")
+    assert read(str(listed), 0.3).lap == wanted
+
+
+def test_a_yaml_file_may_bring_start_end_and_radius(tmp_path: Path) -> None:
+    file = tmp_path / "track.yml"
+    file.write_text(f"start: [1, 2, 3]\nend: [9, 9, 1]\nlap: {LAP}\nradius: 0.5\ngates: 5\n")
+    scenario = race(f"scenario.track={file}", "scenario.gates=null")
+    assert scenario.start_position == (1.0, 2.0, 3.0)
+    assert [gate.position[0] for gate in scenario.goals] == [0, 5, 5, 0, 5, 9]
+    assert {gate.radius for gate in scenario.goals[:-1]} == {0.5}
+    assert scenario.intervals == 6 * 40
+
+
+def test_the_public_track_repeats_its_lap() -> None:
+    scenario = race("scenario.gates=19")
+    assert len(scenario.goals) == 20
+    assert scenario.goals[0] == scenario.goals[7] == scenario.goals[14]
+    by_hand = (3.9**2 + 6.1**2 + 2.4**2) ** 0.5 + (5.85**2 + 0.7**2 + 2.4**2) ** 0.5
+    case = config.compose("+scenario=race", "scenario.gates=1")
+    assert case.scenario.path_length(case.model) == pytest.approx(by_hand)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("x,y\n1,2\n", "header 'x,y'"),
+        ("x,y,z,colour\n1,2,3,4\n", "header"),
+        ("x,y,z\n1,2\n", "gate 1: has 2 columns"),
+        ("x,y,z\n1,2,three\n", "gate 1: 'three'"),
+        ("x,y,z\n1,2,nan\n", "gate 1: 'nan'"),
+        ("x,y,z\n", "has no gates"),
+        ("", "header ''"),
+        ("x,y,z,radius\n1,2,3,0\n", "radius: 0 m"),
+        ("x,y,z,order\n1,2,3,1\n2,2,3,1\n", "order"),
+    ],
+)
+def test_bad_csv_is_refused_with_its_place(tmp_path: Path, text: str, said: str) -> None:
+    file = tmp_path / "track.csv"
+    file.write_text(text)
+    with pytest.raises(BadInput, match=said):
+        read(file, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("lap: [", "is no YAML"),
+        ("start: [0, 0, 1]", "has no gates"),
+        ("lap: []", "has no gates"),
+        ("lap: [[0, 0, 1]]\nspeed: 3", "scenario.track.speed: does not exist"),
+        ("lap: [[0, 0, 1]]\ngates: 0", "gates: 0"),
+        ("lap: [{x: 1, y: 2}]", "gate 1"),
+        ("- {x: 1, y: 2, z: 1, raduis: 3}", "perhaps 'radius'"),
+        ("lap: [[0, 0, 1]]\nstart: here", "start: 'here'"),
+    ],
+)
+def test_bad_yaml_is_refused_with_its_place(tmp_path: Path, text: str, said: str) -> None:
+    file = tmp_path / "track.yaml"
+    file.write_text(text)
+    with pytest.raises(BadInput, match=said):
+        read(file, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("scenario.track=nowhere.csv", "cannot read 'nowhere.csv'"),
+        ("scenario.track=track.txt", "is no track"),
+        ("scenario.gates=6", "the end is where the one before is"),
+        ("scenario.gates=0", "scenario.gates: 0 was given"),
+        ("scenario.end_velocity=fast", "free, rest"),
+        ("+scenario.kappa_init=3", "scenario.kappa_init: means nothing in a race"),
+        ("+scenario.intervals=30", "nodes_per_gate"),
+        ("scenario.radius=-1", "scenario.radius"),
+        ("+scenario.raduis=1", "perhaps 'radius'"),
+        ("scenario.nodes_per_gate=1", "scenario.nodes_per_gate"),
+    ],
+)
+def test_a_bad_race_is_refused_with_its_field(override: str, said: str) -> None:
+    with pytest.raises(BadInput, match=said):
+        race(override)
