@@ -45,7 +45,10 @@ def start(arguments: Sequence[str]) -> int:
 
 def _do(arguments: Sequence[str], traced: bool) -> int:
     if arguments and arguments[0] in commands.names():
-        return commands.run(arguments[0], arguments[1:])
+        done = commands.run(arguments[0], arguments[1:])
+        if isinstance(done, int):
+            return done
+        sys.argv[1:] = arguments = done
     options, unknown = get_args_parser().parse_known_args([a for a in arguments if a != "--version"])
     if unknown:
         raise BadInput(unknown[0], "there is no such option", "what --help shows")

@@ -12,6 +12,10 @@ def names() -> list[str]:
     return sorted(module.name for module in pkgutil.iter_modules(__path__))
 
 
-def run(name: str, arguments: Sequence[str]) -> int:
-    """Run a command and return the exit code; raises BadInput for arguments it does not take."""
-    return int(importlib.import_module(f"{__name__}.{name}").run(arguments))
+def run(name: str, arguments: Sequence[str]) -> int | list[str]:
+    """Run a command and return the exit code, or the arguments of the main command that it is short for.
+
+    Raises BadInput for arguments it does not take.
+    """
+    done: int | list[str] = importlib.import_module(f"{__name__}.{name}").run(arguments)
+    return done

@@ -17,14 +17,12 @@ PARTS = ("space", "problems", "fixed", *SETTINGS)
 USAGE = "benchbench tune SPACE.yaml [OVERRIDE ...], see docs/tuning.md"
 
 
-def run(arguments: Sequence[str]) -> int:
-    """Return 0 if a trial has all its plans certified, 1 if none has; raises BadInput."""
-    from benchbench import application
-
+def run(arguments: Sequence[str]) -> int | list[str]:
+    """Return what it is short for, or the exit code of its help; raises BadInput."""
     if not arguments or arguments[0] in ("-h", "--help"):
         print(USAGE)
         return 0 if arguments else 2
-    return application.start(["-m", *overrides(Path(arguments[0])), *arguments[1:]])
+    return ["-m", *overrides(Path(arguments[0])), *arguments[1:]]
 
 
 def overrides(path: Path) -> list[str]:
