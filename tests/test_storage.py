@@ -430,7 +430,7 @@ def test_cut_recording_keeps_its_messages(recording: Path, tmp_path: Path) -> No
 
 
 def test_vehicle_pose_matches_scipy() -> None:
-    from benchbench.storage.scene import vehicle_pose
+    from benchbench.storage.flight import vehicle_pose
 
     q = np.random.default_rng(0).normal(size=(50, 7))
     position, quaternion = vehicle_pose(vehicle().configuration.names, q)

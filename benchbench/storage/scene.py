@@ -30,6 +30,7 @@ from benchbench.motion import sample
 from benchbench.plan import Array, Plan
 from benchbench.race.scenario import Race
 from benchbench.storage.entry import Entry, nanoseconds
+from benchbench.storage.flight import vehicle_pose
 
 if TYPE_CHECKING:
     from benchbench.model import Model
@@ -61,29 +62,6 @@ def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Ite
         yield Entry(log_time, frames, FrameTransforms(transforms=_transforms(paths, k, log_time)))
         body = _body(model.plant().skeleton(plan.configuration[k]), log_time)
         yield Entry(log_time, view, SceneUpdate(entities=[body, _points(paths, k, log_time)]))
-
-
-def vehicle_pose(names: tuple[str, ...], q: Array) -> tuple[Array, Array]:
-    """Position (n, 3) m and unit quaternion (n, 4) x, y, z, w from coordinates q (n, n_q) by name.
-
-    Reads x, y, z and either the quaternion qw, qx, qy, qz or the angles roll, pitch, yaw of
-    R = Rz(yaw) Ry(pitch) Rx(roll); what a model does not have is 0.
-    """
-    column = {name: q[:, i] for i, name in enumerate(names)}
-    none = np.zeros(len(q))
-    position = np.stack([column.get(axis, none) for axis in ("x", "y", "z")], axis=-1)
-    if "qw" in column:
-        turn = np.stack([column[name] for name in ("qx", "qy", "qz", "qw")], axis=-1)
-        return position, turn / np.linalg.norm(turn, axis=-1, keepdims=True)
-    half = [column.get(angle, none) / 2 for angle in ("roll", "pitch", "yaw")]
-    (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
-    quaternion = [
-        sr * cp * cy - cr * sp * sy,
-        cr * sp * cy + sr * cp * sy,
-        cr * cp * sy - sr * sp * cy,
-        cr * cp * cy + sr * sp * sy,
-    ]
-    return position, np.stack(quaternion, axis=-1)
 
 
 def _paths(plan: Plan, scenario: Scenario, model: Model) -> Paths:

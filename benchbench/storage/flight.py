@@ -1,0 +1,141 @@
+"""A plan as people who fly want it: the motion of a body with four motors, and of its arm, free of any model.
+
+Body rates are Rz(yaw) Ry(pitch) Rx(roll) read backwards: omega = E(xi) d xi/dt, E = [[1, 0, -sin theta],
+[0, cos phi, sin phi cos theta], [0, -sin phi, cos phi cos theta]].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from benchbench.errors import BadInput
+from benchbench.model import Model
+from benchbench.plan import Array, Interpolation, Plan
+
+POSITION, QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
+ANGLES, RATES = ("roll", "pitch", "yaw"), ("wx", "wy", "wz")
+MOTORS = ("motor_1", "motor_2", "motor_3", "motor_4")
+ARM, SERVO = "arm", "servo"
+
+
+@dataclass(frozen=True)
+class Flight:
+    """States and inputs at n times; motors are numbered as the vehicle's inputs.
+
+    time         (n,) s
+    position     (n, 3) m, world
+    quaternion   (n, 4) w, x, y, z of the rotation from body to world, without jumps of sign
+    velocity     (n, 3) m/s, world
+    body_rates   (n, 3) rad/s, about the body axes
+    thrusts      (n, 4) N; where the plan holds inputs, row k acts until the next and the last row repeats
+    arm          (n, 3) rad, rad/s, N m: angle, rate, servo torque; None for a vehicle without arm
+    """
+
+    time: Array
+    position: Array
+    quaternion: Array
+    velocity: Array
+    body_rates: Array
+    thrusts: Array
+    arm: Array | None = None
+
+
+def flight_of(plan: Plan) -> Flight:
+    """Read a plan by the names of its columns. Raises BadInput for a vehicle that is not of this kind."""
+    q, v = (
+        dict(zip(names, values.T, strict=True))
+        for names, values in (
+            (plan.coordinate_names, plan.configuration), (plan.velocity_names, plan.velocity)
+        )
+    )  # fmt: skip
+    u = dict(zip(plan.input_names, plan.input_at(plan.time).T, strict=True))
+    missing = [name for name in (*POSITION, *MOTORS) if name not in q | u]
+    if missing:
+        raise BadInput("plan", f"has no {', '.join(missing)}", "a plan of a vehicle with four motors")
+    position, turn = vehicle_pose(plan.coordinate_names, plan.configuration)
+    scalar_first = turn[:, [3, 0, 1, 2]]
+    same = np.sum(scalar_first[1:] * scalar_first[:-1], axis=1) >= 0
+    scalar_first[1:] *= np.cumprod(np.where(same, 1.0, -1.0))[:, None]
+    speeds = ("vx", "vy", "vz") if "vx" in v else POSITION
+    rates = _columns(v, RATES) if "wx" in v else body_rates(_columns(q, ANGLES), _columns(v, ANGLES))
+    arm = np.stack([q[ARM], v[ARM], u[SERVO]], axis=-1) if ARM in q and SERVO in u else None
+    return Flight(
+        plan.time, position, scalar_first, _columns(v, speeds), rates, _columns(u, MOTORS), arm
+    )  # fmt: skip
+
+
+def plan_of(flight: Flight, model: Model, interpolation: Interpolation) -> Plan:
+    """Return the flight as a plan of a model; "hold" leaves out the last row of inputs, "linear" keeps it.
+
+    No node claims contact. Raises BadInput for a model with coordinates or inputs that a flight does not know.
+    """
+    angles = Rotation.from_quat(flight.quaternion, scalar_first=True).as_euler("ZYX")[:, ::-1]
+    angles = np.unwrap(angles, axis=0)
+    arm = np.zeros((len(flight.time), 3)) if flight.arm is None else flight.arm
+    q = dict(zip((*POSITION, *QUATERNION), np.hstack([flight.position, flight.quaternion]).T, strict=True))
+    q |= dict(zip((*ANGLES, ARM), [*angles.T, arm[:, 0]], strict=True))
+    rates = [*flight.body_rates.T, *euler_rates(angles, flight.body_rates).T, arm[:, 1]]
+    v = dict(zip(("vx", "vy", "vz"), flight.velocity.T, strict=True))
+    v |= dict(zip((*POSITION, *RATES, *ANGLES, ARM), [*flight.velocity.T, *rates], strict=True))
+    u = dict(zip((*MOTORS, SERVO), [*flight.thrusts.T, arm[:, 2]], strict=True))
+    c, w, i = model.configuration, model.velocity, model.inputs
+    wanted = [(c.names, q), (w.names, v), (i.names, u)]
+    unknown = [name for names, known in wanted for name in names if name not in known]
+    if unknown or (flight.arm is None and ARM in c.names):
+        raise BadInput("vehicle", f"'{model.name}' has {', '.join(unknown) or ARM}, which the flight has not")
+    inputs = _columns(u, i.names)
+    return Plan(
+        flight.time - flight.time[0], _columns(q, c.names), _columns(v, w.names),
+        inputs[:-1] if interpolation == "hold" else inputs, np.zeros(len(flight.time)), interpolation,
+        c.names, c.units, i.names, i.units, w.names, w.units,
+    )  # fmt: skip
+
+
+def vehicle_pose(names: tuple[str, ...], q: Array) -> tuple[Array, Array]:
+    """Position (n, 3) m and unit quaternion (n, 4) x, y, z, w from coordinates q (n, n_q) by name.
+
+    Reads x, y, z and either the quaternion qw, qx, qy, qz or the angles roll, pitch, yaw of
+    R = Rz(yaw) Ry(pitch) Rx(roll); what a model does not have is 0.
+    """
+    column = {name: q[:, i] for i, name in enumerate(names)}
+    none = np.zeros(len(q))
+    position = np.stack([column.get(axis, none) for axis in ("x", "y", "z")], axis=-1)
+    if "qw" in column:
+        turn = np.stack([column[name] for name in ("qx", "qy", "qz", "qw")], axis=-1)
+        return position, turn / np.linalg.norm(turn, axis=-1, keepdims=True)
+    half = [column.get(angle, none) / 2 for angle in ("roll", "pitch", "yaw")]
+    (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
+    quaternion = [
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+        cr * cp * cy + sr * sp * sy,
+    ]
+    return position, np.stack(quaternion, axis=-1)
+
+
+def body_rates(angles: Array, rates: Array) -> Array:
+    """Body rates (n, 3) from roll, pitch, yaw (n, 3) rad and their rates (n, 3) rad/s."""
+    return np.einsum("nij,nj->ni", _euler_rate_matrices(angles), rates)
+
+
+def euler_rates(angles: Array, omega: Array) -> Array:
+    """Rates (n, 3) of roll, pitch, yaw from body rates (n, 3); the inverse of `body_rates`."""
+    return np.asarray(np.linalg.solve(_euler_rate_matrices(angles), omega[..., None])[..., 0])
+
+
+def _euler_rate_matrices(angles: Array) -> Array:
+    (cr, cp, _), (sr, sp, _) = np.cos(angles).T, np.sin(angles).T
+    one, none = np.ones(len(angles)), np.zeros(len(angles))
+    rows = [[one, none, -sp], [none, cr, sr * cp], [none, -sr, cr * cp]]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def _columns(by_name: dict[str, Array], names: tuple[str, ...]) -> Array:
+    missing = [name for name in names if name not in by_name]
+    if missing:
+        raise BadInput("plan", f"has no {', '.join(missing)}", "a plan of a vehicle with four motors")
+    return np.stack([by_name[name] for name in names], axis=-1)

@@ -1,0 +1,108 @@
+"""A flight as CSV: the one place that says what its columns are; docs/export.md shows them to people.
+
+The names are those that public racing planners and flight stacks write (Agilicious, CPC, TOGT), so their files
+are read as they are; further columns are ignored.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from benchbench.errors import BadInput
+from benchbench.plan import Array
+from benchbench.storage.flight import Flight
+
+QUATERNION_ERROR = 1e-3
+"""How far from 1 the length of a quaternion in a file may be, which writes perhaps four digits."""
+
+
+@dataclass(frozen=True)
+class Group:
+    """Columns that belong together: the field of `Flight` they hold, their unit and meaning."""
+
+    field: str
+    names: tuple[str, ...]
+    unit: str
+    meaning: str
+
+
+GROUPS = (
+    Group("time", ("t",), "s", "time, increasing"),
+    Group("position", ("p_x", "p_y", "p_z"), "m", "position in the world, z up"),
+    Group("quaternion", ("q_w", "q_x", "q_y", "q_z"), "1", "unit quaternion that turns body into world coordinates"),
+    Group("velocity", ("v_x", "v_y", "v_z"), "m/s", "velocity in the world"),
+    Group("body_rates", ("w_x", "w_y", "w_z"), "rad/s", "angular velocity about the body axes"),
+    Group("thrusts", ("u_1", "u_2", "u_3", "u_4"), "N", "thrust of each motor, numbered as the vehicle's inputs"),
+    Group("arm", ("arm", "arm_rate", "servo"), "rad, rad/s, N m", "arm angle, its rate and the servo torque, for a vehicle with an arm"),
+)  # fmt: skip
+NEEDED = tuple(name for group in GROUPS for name in group.names if group.field != "arm")
+
+
+def to_csv(flight: Flight) -> str:
+    """Return the flight as CSV with a header, at full precision."""
+    groups = [group for group in GROUPS if getattr(flight, group.field) is not None]
+    values = np.column_stack([getattr(flight, group.field) for group in groups])
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow([name for group in groups for name in group.names])
+    writer.writerows([[repr(float(value)) for value in row] for row in values])
+    return text.getvalue()
+
+
+def read_csv(path: Path) -> Flight:
+    """Read a flight from a file with these columns in any order. Raises BadInput naming what is wrong where."""
+    columns = _read(path)
+    missing = [name for name in NEEDED if name not in columns]
+    if missing:
+        raise BadInput(str(path), f"has no column {', '.join(missing)}", ", ".join(NEEDED))
+    parts = {
+        group.field: np.stack([columns[name] for name in group.names], axis=-1)
+        for group in GROUPS
+        if all(name in columns for name in group.names)
+    }
+    parts["time"] = parts["time"][:, 0]
+    if not np.all(np.diff(parts["time"]) > 0):
+        row = int(np.argmin(np.diff(parts["time"]))) + 3
+        raise BadInput(f"{path}, line {row}: t", "is not later than the line before", "increasing times")
+    length = np.linalg.norm(parts["quaternion"], axis=1)
+    if np.max(np.abs(length - 1.0)) > QUATERNION_ERROR:
+        row = int(np.argmax(np.abs(length - 1.0))) + 2
+        raise BadInput(f"{path}, line {row}: q_w ... q_z", "has not the length 1", "a unit quaternion")
+    parts["quaternion"] = parts["quaternion"] / length[:, None]
+    return Flight(**parts)
+
+
+def _read(path: Path) -> dict[str, Array]:
+    """All columns of numbers that are known here, by name."""
+    known = {name for group in GROUPS for name in group.names}
+    try:
+        with path.open(newline="") as file:
+            lines = [line for line in csv.reader(file, skipinitialspace=True) if line]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise BadInput(str(path), f"cannot be read: {error}", "a CSV file with a header") from None
+    header = [name.strip() for name in lines[0]] if lines else []
+    if len(lines) < 3:
+        raise BadInput(
+            str(path), f"has {max(len(lines) - 1, 0)} rows of numbers", "a header and at least 2 rows"
+        )
+    found: dict[str, Array] = {}
+    for place, name in enumerate(header):
+        if name in known:
+            found[name] = np.array([_number(path, k, name, row, place) for k, row in enumerate(lines[1:], 2)])
+    return found
+
+
+def _number(path: Path, line: int, name: str, row: list[str], place: int) -> float:
+    text = row[place] if place < len(row) else ""
+    try:
+        value = float(text)
+    except ValueError:
+        value = np.nan
+    if not np.isfinite(value):
+        raise BadInput(f"{path}, line {line}: {name}", f"'{text}' was given", "a finite number")
+    return value

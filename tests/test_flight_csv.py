@@ -1,0 +1,93 @@
+"""Flights: plans as CSV and back, against SciPy's rotations and central differences."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from flights import crossing, table_one
+from scipy.spatial.transform import Rotation
+
+from benchbench.errors import BadInput
+from benchbench.plan import Plan
+from benchbench.storage.flight import Flight, flight_of, plan_of
+from benchbench.storage.flight_csv import NEEDED, read_csv, to_csv
+from benchbench_plugins.models.quadrotor import Quadrotor
+
+RACER = Quadrotor("racer", 0.85, (0.001, 0.001, 0.0017), 0.15, 0.05, (0.0, 6.9), (15.0, 15.0, 0.3))
+
+
+def wild(n: int = 40) -> Plan:
+    """The arm's vehicle on a smooth path that turns about all axes; the inputs mean nothing."""
+    model, time = table_one(), np.linspace(0.0, 2.0, n)
+    phase = np.arange(7) + time[:, None] * (1.0 + 0.3 * np.arange(7))
+    q, v = 0.8 * np.sin(phase), 0.8 * np.cos(phase) * (1.0 + 0.3 * np.arange(7))
+    u = model.hover() + np.random.default_rng(1).normal(size=(n, 5))
+    c, i = model.configuration, model.inputs
+    return Plan(time, q, v, u, np.zeros(n), "linear", c.names, c.units, i.names, i.units)
+
+
+def written(flight: Flight, path: Path) -> Path:
+    path.write_text(to_csv(flight))
+    return path
+
+
+def test_the_quaternion_and_the_body_rates_are_those_of_the_motion() -> None:
+    plan = wild()
+    flight, h = flight_of(plan), 1e-5
+    angles = plan.configuration[:, 3:6]
+    turn = Rotation.from_euler("ZYX", angles[:, ::-1])
+    assert np.allclose(Rotation.from_quat(flight.quaternion, scalar_first=True).as_matrix(), turn.as_matrix())
+    later, before = (
+        Rotation.from_euler("ZYX", (angles + s * h * plan.velocity[:, 3:6])[:, ::-1]) for s in (1, -1)
+    )
+    assert np.allclose(flight.body_rates, (before.inv() * later).as_rotvec() / (2 * h), atol=1e-8)
+    assert np.all(np.sum(flight.quaternion[1:] * flight.quaternion[:-1], axis=1) > 0)
+
+
+@pytest.mark.parametrize("plan", [wild(), crossing(table_one())], ids=["linear", "hold"])
+def test_a_plan_survives_the_file(plan: Plan, tmp_path: Path) -> None:
+    flight = read_csv(written(flight_of(plan), tmp_path / "flight.csv"))
+    found = plan_of(flight, table_one(), plan.interpolation)
+    for part in ("time", "configuration", "velocity", "inputs"):
+        assert np.allclose(getattr(found, part), getattr(plan, part), rtol=0.0, atol=1e-12), part
+
+
+def test_a_vehicle_in_quaternions_without_arm(tmp_path: Path) -> None:
+    flight = flight_of(wild())
+    bare = Flight(**{**vars(flight), "arm": None})
+    plan = plan_of(read_csv(written(bare, tmp_path / "flight.csv")), RACER, "linear")
+    again = flight_of(plan)
+    assert again.arm is None and plan.velocity_names == RACER.velocity.names
+    for part in ("position", "quaternion", "velocity", "body_rates", "thrusts"):
+        assert np.allclose(getattr(again, part), getattr(flight, part), rtol=0.0, atol=1e-14), part
+    with pytest.raises(BadInput, match="arm"):
+        plan_of(bare, table_one(), "linear")
+
+
+def test_further_columns_blanks_and_their_order_do_not_matter(tmp_path: Path) -> None:
+    path = written(flight_of(wild()), tmp_path / "flight.csv")
+    wanted = read_csv(path)
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    path.write_text("\n".join(", ".join([*reversed(row), f"jerk{k}"]) for k, row in enumerate(rows)) + "\n\n")
+    found = read_csv(path)
+    assert all(np.array_equal(getattr(found, part), getattr(wanted, part)) for part in vars(wanted))
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda lines: [lines[0].replace("w_y", "omega_y"), *lines[1:]], "has no column w_y"),
+        (lambda lines: [*lines[:3], lines[2], *lines[3:]], "line 4: t: is not later"),
+        (lambda lines: [lines[0], lines[1], "1.0" + ",0.6" * (len(NEEDED) + 2)], "line 3: q_w ... q_z: has not the length 1"),
+        (lambda lines: [lines[0], lines[1], lines[2].replace(lines[2].split(",")[2], "nan")], "line 3: p_y"),
+        (lambda lines: [*lines[:3], "1.9,2.0"], "line 4: p_y: '' was given"),
+        (lambda lines: lines[:2], "1 rows"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_is_named_with_its_line(change, message: str, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    path = written(flight_of(wild(8)), tmp_path / "flight.csv")
+    path.write_text("\n".join(change(path.read_text().splitlines())))
+    with pytest.raises(BadInput, match=message):
+        read_csv(path)
