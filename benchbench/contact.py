@@ -148,6 +148,6 @@ class Coupling:
 
 
 def progress_index(kappa: Array) -> Array:
-    """Return epsilon (N + 1,) from kappa (N + 1,); the last node gets 0 (paper Eq. 26)."""
-    kappa = np.asarray(kappa).ravel()
-    return np.append(kappa[:-1] - kappa[1:], 0.0)
+    """Return epsilon (N + 1,) from kappa (N + 1, events), the largest of all; the last node gets 0 (paper Eq. 26)."""
+    steps = -np.diff(np.reshape(kappa, (len(kappa), -1)), axis=0)
+    return np.append(np.max(steps, axis=1), 0.0)

@@ -55,6 +55,11 @@ class Grid:
         """W (N + 1, phases): node k is at t_k = W[k] @ durations, in s."""
         return np.concatenate([np.zeros((1, len(self.phases))), np.cumsum(self.step_weights, axis=0)])
 
+    @property
+    def ends(self) -> tuple[int, ...]:
+        """Last node of each phase."""
+        return tuple(int(k) for k in np.cumsum([p.intervals for p in self.phases]))
+
     def nodes(self, name: str) -> range:
         """All nodes of one phase, both ends included."""
         first = 0

@@ -52,6 +52,12 @@ def fixed_window(case: Case, start: Plan, nodes: Sequence[int]) -> Problem:
     return Problem(base + coupling.at_nodes(nodes), trajectory, tuple(nodes))
 
 
+def nearest_held(case: Case, start: Plan) -> Problem:
+    """The same at the nodes nearest to a plan's contact."""
+    trajectory = fixed_window(case, start, (0,)).trajectory
+    return fixed_window(case, start, nearest_window(start, trajectory, case.scenario.kappa_init))
+
+
 def phases(case: Case, start: Plan) -> Problem:
     """Approach, contact and leave with own step sizes, contact imposed on the contact phase: smooth.
 

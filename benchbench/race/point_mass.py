@@ -15,6 +15,7 @@ from benchbench.dynamics import Grid, Phase
 from benchbench.homotopy import homotopy
 from benchbench.mpcc import Block, Mpcc, Variable, rows
 from benchbench.plan import Array, Plan
+from benchbench.race.gates import Place, at_nodes
 from benchbench.race.scenario import Race
 from benchbench.transcription import durations, own_duration, total_time
 
@@ -78,22 +79,9 @@ def _problem(race: Race, case: Case, grid: Grid) -> Mpcc:
         Variable("f", -free, free, hover, "m/s^2"),
         Variable("T", 0 * duration + SHORTEST, 0 * duration + race.travel_time[1], duration, "s"),
     )
-    blocks = (_steps(grid, lift), _thrust(strongest), gates(race, grid, ca.SX.sym("p", 3), "p", 3))
+    passed = at_nodes(race, Place("p", 3), grid.ends, race.goals)
+    blocks = (_steps(grid, lift), _thrust(strongest), passed)
     return Mpcc(variables, blocks, (_travel_time(grid),)) + total_time(race, grid)
-
-
-def gates(race: Race, grid: Grid, position: ca.SX, variable: str, width: int) -> Block:
-    """|p - w|^2 / r^2 <= 1 at the last node of each segment; `position` are the first three of `width` unknowns."""
-    w, r = ca.SX.sym("w", 3), ca.SX.sym("r")
-    h = ca.sumsqr(position - w) / r**2 - 1
-    function = ca.Function("gate", [position, ca.vertcat(w, r), ca.SX.sym("sigma")], [h])
-    numbers = np.array([[*goal.position, goal.radius * (1 - race.gate_margin)] for goal in race.goals])
-    nodes = np.cumsum([phase.intervals for phase in grid.phases])
-    slot = rows(variable, width, nodes)
-    none = np.zeros((len(nodes), 1))
-    return Block(
-        "gates", function, (type(slot)(variable, slot.index[:, :3]),), numbers, none - np.inf, none, "1"
-    )
 
 
 def _steps(grid: Grid, gravity: float) -> Block:

@@ -6,16 +6,17 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
+from benchbench import posing
 from benchbench.case import Case, Ledger
-from benchbench.guess import Guess, straight_line
+from benchbench.guess import Guess
 from benchbench.plan import Plan
 
 
 @final
 @dataclass(frozen=True)
 class Line(Guess):
-    """Straight line from start over the target to the end; contact where the scenario guesses it."""
+    """Straight line over the target, contact where the scenario guesses it; or from gate to gate."""
 
     def plan(self, case: Case, ledger: Ledger) -> Plan:
         """Costs nothing."""
-        return straight_line(case)
+        return posing.line(case)

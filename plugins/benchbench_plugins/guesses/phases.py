@@ -1,4 +1,4 @@
-"""A start with the right contact time: the three-phase plan, moved onto the grid of the MPCC."""
+"""A start with the right contact time: the plan of phases, moved onto the grid of the MPCC."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
+from benchbench import posing
 from benchbench.case import Case, Ledger
-from benchbench.formulation import fixed_window, nearest_window, phases
-from benchbench.guess import Guess, straight_line
+from benchbench.guess import Guess
 from benchbench.plan import Plan
 from benchbench.strategy import pose
 
@@ -16,19 +16,18 @@ from benchbench.strategy import pose
 @final
 @dataclass(frozen=True)
 class Phases(Guess):
-    """Solve three phases, then one step size with the contact held at the nearest nodes; both smooth.
+    """Solve phases, then one step size with the contact, or the gates, held at the nearest nodes; both smooth.
 
-    The second solve matters: the interpolated three-phase plan breaks the dynamics of the new grid, and
-    IPOPT leaves the window on its way back.
+    The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
+    window on its way back.
     """
 
     def plan(self, case: Case, ledger: Ledger) -> Plan:
         """Two solves."""
+        start = posing.start(case, ledger)
         with ledger.building():
-            problem = phases(case, straight_line(case))
+            problem = posing.phases(case, start)
         found = pose(problem, case, ledger, "guess: phases").plan
         with ledger.building():
-            trajectory = fixed_window(case, found, (0,)).trajectory
-            window = nearest_window(found, trajectory, case.scenario.kappa_init)
-            problem = fixed_window(case, found, window)
+            problem = posing.held(case, found)
         return pose(problem, case, ledger, "guess: window").plan

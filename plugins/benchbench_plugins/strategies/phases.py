@@ -6,12 +6,8 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
+from benchbench import posing
 from benchbench.case import Case, Ledger
-from benchbench.formulation import phases
-from benchbench.guess import straight_line
-from benchbench.race import formulation as race
-from benchbench.race.point_mass import point_mass_plan
-from benchbench.race.scenario import Race
 from benchbench.strategy import Result, Strategy, pose
 
 
@@ -26,11 +22,7 @@ class Phases(Strategy):
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Guess, pose, solve."""
-        if isinstance(case.scenario, Race):
-            start = point_mass_plan(case.scenario, case, ledger)
-            with ledger.building():
-                problem = race.phases(case.scenario, case, start)
-            return pose(problem, case, ledger, "phases")
+        start = posing.start(case, ledger)
         with ledger.building():
-            problem = phases(case, straight_line(case))
+            problem = posing.phases(case, start)
         return pose(problem, case, ledger, "phases")

@@ -6,19 +6,22 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
+from benchbench import posing
 from benchbench.case import Case, Ledger
-from benchbench.formulation import free_contact
 from benchbench.strategy import Result, Strategy, pose
 
 
 @final
 @dataclass(frozen=True)
 class Relax(Strategy):
-    """Homotopy on the DMCC problem (paper Eq. 33); when the contact happens is left to the optimiser."""
+    """Homotopy on the DMCC problem (paper Eq. 33), when the contact happens is left to the optimiser.
+
+    Races: at which nodes the gates are passed (complementary progress constraints).
+    """
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Guess, pose, relax."""
         start = case.guess.plan(case, ledger)
         with ledger.building():
-            problem = free_contact(case, start)
+            problem = posing.free(case, start)
         return pose(problem, case, ledger, "relaxation")

@@ -1,0 +1,46 @@
+"""What the two kinds of scenario, handover and race, can be posed as; strategies and guesses ask here."""
+
+from __future__ import annotations
+
+from benchbench import formulation, guess
+from benchbench.case import Case, Ledger
+from benchbench.formulation import Problem
+from benchbench.plan import Plan
+from benchbench.race import formulation as race
+from benchbench.race.point_mass import point_mass_plan
+from benchbench.race.scenario import Race
+
+
+def line(case: Case) -> Plan:
+    """Return the plain start: straight lines, at no cost."""
+    if isinstance(case.scenario, Race):
+        return race.straight_line(case.scenario, case)
+    return guess.straight_line(case)
+
+
+def start(case: Case, ledger: Ledger) -> Plan:
+    """Return what phases start from: a straight line, or for a race the time-optimal flight of a point mass."""
+    if isinstance(case.scenario, Race):
+        return point_mass_plan(case.scenario, case, ledger)
+    return line(case)
+
+
+def phases(case: Case, plan: Plan) -> Problem:
+    """Own step sizes before and after each contact or gate: smooth."""
+    if isinstance(case.scenario, Race):
+        return race.phases(case.scenario, case, plan)
+    return formulation.phases(case, plan)
+
+
+def held(case: Case, plan: Plan) -> Problem:
+    """One step size, contact or gates at the nodes nearest to the plan's: smooth."""
+    if isinstance(case.scenario, Race):
+        return race.held(case.scenario, case, plan)
+    return formulation.nearest_held(case, plan)
+
+
+def free(case: Case, plan: Plan) -> Problem:
+    """One step size, progress variables and complementarity."""
+    if isinstance(case.scenario, Race):
+        return race.free(case.scenario, case, plan)
+    return formulation.free_contact(case, plan)
