@@ -73,7 +73,8 @@ Contacts = Mapping[str, Contact]
 class Coupling:
     """Contacts of one event, bound to a model, a target motion and a transcription.
 
-    `margins` by contact name: share of the limit that the planner leaves unused.
+    `margins` by contact name: share of the limit that the planner leaves unused. `prefix` of all names of
+    variables and blocks tells several events apart.
     """
 
     contacts: Contacts
@@ -81,26 +82,28 @@ class Coupling:
     motion: Motion
     trajectory: Trajectory
     margins: Mapping[str, float] = field(default_factory=dict)
+    prefix: str = ""
 
-    def by_progress(self, kappa_init: int) -> Mpcc:
+    def by_progress(self, kappa_init: int, decided: bool = True) -> Mpcc:
         """Progress variables and vanishing pairs: epsilon_k > 0 only where every condition holds.
 
         kappa_0 = kappa_init, kappa_N = 0, epsilon_k = kappa_k - kappa_{k+1} in [0, 1] (paper Eq. 26);
-        epsilon is substituted, so the only new unknowns are kappa (N + 1,).
+        epsilon is substituted, so the only new unknowns are kappa (N + 1,). Where it is not `decided` that
+        there is a contact, kappa_0 is free.
         """
         n = self.trajectory.grid.intervals
         fixed = np.full((n + 1, 1), np.nan)
-        fixed[0], fixed[-1] = kappa_init, 0.0
+        fixed[0], fixed[-1] = kappa_init if decided else np.nan, 0.0
         free = np.isnan(fixed)
         guess = np.linspace(kappa_init, 0.0, n + 1)[:, None]
         kappa = Variable(
-            "kappa", np.where(free, 0.0, fixed), np.where(free, float(kappa_init), fixed), guess, "1", True
+            self.kappa, np.where(free, 0.0, fixed), np.where(free, float(kappa_init), fixed), guess, "1", True
         )
         z, p, s = ca.SX.sym("z", 2), ca.SX.sym("p", 0), ca.SX.sym("sigma")
         nodes = range(n)
-        step = (rows("kappa", 1, nodes), rows("kappa", 1, range(1, n + 1)))
+        step = (rows(self.kappa, 1, nodes), rows(self.kappa, 1, range(1, n + 1)))
         progress = Block(
-            "progress", ca.Function("progress", [z, p, s], [z[0] - z[1]]), step,
+            f"{self.prefix}progress", ca.Function("progress", [z, p, s], [z[0] - z[1]]), step,
             np.zeros((n, 0)), np.zeros((n, 1)), np.ones((n, 1)), "1",
         )  # fmt: skip
         pairs = []
@@ -111,9 +114,14 @@ class Coupling:
             g = ca.repmat(w[0] - w[1], h.shape[0], 1)
             both = ca.Function(f"pair_{name}", [w, q, s], [ca.vertcat(g, h)])
             none = np.zeros((n, 2 * h.shape[0]))
-            paired = Block(name, both, step + block.slots, block.parameters, none, none, condition.unit)
+            paired = Block(block.name, both, step + block.slots, block.parameters, none, none, condition.unit)
             pairs.append(Pair(paired, "vanishing", condition.limit, sign_known=True))
         return Mpcc((kappa,), (progress,), (), tuple(pairs)) + self.always()
+
+    @property
+    def kappa(self) -> str:
+        """Name of the progress variable."""
+        return f"{self.prefix}kappa"
 
     def at_nodes(self, nodes: Sequence[int]) -> Mpcc:
         """Impose every condition at the given nodes: no progress variables, no complementarity."""
@@ -140,7 +148,7 @@ class Coupling:
             numbers = np.hstack([self.trajectory.parameters(nodes), np.tile(self.motion.parameters, (m, 1))])
             shape = (m, h.shape[0])
             block = Block(
-                name, function, self.trajectory.slots(nodes), numbers,
+                f"{self.prefix}{name}", function, self.trajectory.slots(nodes), numbers,
                 np.full(shape, -np.inf), np.zeros(shape), condition.unit,
             )  # fmt: skip
             found.append((name, condition, block))

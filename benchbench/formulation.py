@@ -2,99 +2,136 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
 
+from benchbench import tour
 from benchbench.case import Case
 from benchbench.contact import Coupling, progress_index
 from benchbench.dynamics import Grid, Phase, Trajectory
 from benchbench.mpcc import Block, Mpcc
 from benchbench.plan import Array, Plan
+from benchbench.stop import Stop, spread
 from benchbench.transcription import durations
 
 SHORTEST = 1e-4
 """Shortest duration of a phase in s."""
+WHOLE = 0.5
+"""A guess whose progress index is nowhere above this share of a step says that, but not when, there is contact."""
+
+Windows = Mapping[str, tuple[int, ...]]
+"""Nodes in contact by the name of the stop."""
 
 
 @dataclass(frozen=True)
 class Problem:
-    """An MPCC and how to read its unknowns; `contact` are the nodes in contact when they are fixed."""
+    """An MPCC and how to read its unknowns; `contact` are the nodes in contact by stop when they are fixed."""
 
     mpcc: Mpcc
     trajectory: Trajectory
-    contact: tuple[int, ...] | None
+    contact: Windows | None
+    stops: tuple[Stop, ...] = ()
 
     def decode(self, values: dict[str, Array]) -> Plan:
-        """Turn named values into a plan with its progress index."""
+        """Turn named values into a plan with its progress index for every stop."""
+        nodes = self.trajectory.grid.intervals + 1
+        plan = self.trajectory.decode(values, np.zeros(nodes))
+        progress = np.stack([self._progress(stop, values) for stop in self.stops], axis=-1)
+        return replace(plan, progress=progress, stop_names=tuple(stop.name for stop in self.stops))
+
+    def _progress(self, stop: Stop, values: dict[str, Array]) -> Array:
         if self.contact is None:
-            return self.trajectory.decode(values, progress_index(values["kappa"]))
+            return progress_index(values[f"{stop.prefix}kappa"])
         progress = np.zeros(self.trajectory.grid.intervals + 1)
-        progress[list(self.contact)] = 1.0
-        return self.trajectory.decode(values, progress)
+        progress[list(self.contact.get(stop.name, ()))] = 1.0
+        return progress
 
 
 def free_contact(case: Case, start: Plan) -> Problem:
     """The paper's DMCC: one step size, progress variables, complementarity; guessed from a plan."""
-    base, trajectory, coupling = _flight(case, start)
-    mpcc = base + coupling.by_progress(case.scenario.kappa_init)
-    window = nearest_window(start, trajectory, case.scenario.kappa_init)
-    in_contact = np.isin(np.arange(case.scenario.intervals), window)
-    kappa = case.scenario.kappa_init - np.concatenate([[0.0], np.cumsum(in_contact)])
-    return Problem(mpcc.start_from({"kappa": kappa}), trajectory, None)
+    base, trajectory = _flight(case, start)
+    itinerary = case.scenario.itinerary
+    mpcc = base + tour.by_progress(itinerary, [_coupling(case, trajectory, stop) for stop in itinerary.stops])
+    guess = {f"{stop.prefix}kappa": _kappa(start, trajectory, stop) for stop in itinerary.stops}
+    if itinerary.visit != "all":
+        guess[tour.MADE] = np.array([guess[f"{s.prefix}kappa"][:1] / s.kappa_init for s in itinerary.stops])
+    return Problem(mpcc.start_from(guess), trajectory, None, itinerary.stops)
 
 
 def fixed_window(case: Case, start: Plan, nodes: Sequence[int]) -> Problem:
-    """One step size, contact imposed at the given nodes: smooth."""
-    base, trajectory, coupling = _flight(case, start)
-    return Problem(base + coupling.at_nodes(nodes), trajectory, tuple(nodes))
+    """One step size, contact with the only stop imposed at the given nodes: smooth."""
+    return fixed_windows(case, start, {case.scenario.itinerary.stops[0].name: tuple(nodes)})
+
+
+def fixed_windows(case: Case, start: Plan, contact: Windows) -> Problem:
+    """One step size, contact with each stop that is named imposed at its nodes: smooth."""
+    base, trajectory = _flight(case, start)
+    return _at_windows(case, base, trajectory, contact)
 
 
 def nearest_held(case: Case, start: Plan) -> Problem:
-    """The same at the nodes nearest to a plan's contact."""
-    trajectory = fixed_window(case, start, (0,)).trajectory
-    return fixed_window(case, start, nearest_window(start, trajectory, case.scenario.kappa_init))
+    """The same at the nodes nearest to a plan's contacts."""
+    return fixed_windows(case, start, nearest_windows(case, start))
 
 
-def phases(case: Case, start: Plan) -> Problem:
-    """Approach, contact and leave with own step sizes, contact imposed on the contact phase: smooth.
+def phases(case: Case, start: Plan, sequence: Sequence[Stop] | None = None) -> Problem:
+    """Approach, contact, transfer to the next contact, ..., leave with own step sizes: smooth.
 
-    The contact lasts `contact_seconds`, or kappa_init - 1 average steps, so that it means the same as in
-    the paper's form; for kappa_init = 1 it is one node between approach and leave.
+    sequence: the stops that are made, in order; None: as they are listed. Each contact lasts its
+    `contact_seconds`, or kappa_init - 1 average steps, so that it means the same as in the paper's form; for
+    kappa_init = 1 it is one node between the phases.
     """
-    grid = phase_grid(case, start.travel_time)
+    made = case.scenario.itinerary.listed if sequence is None else tuple(sequence)
+    grid, contact, averaged = phase_grid(case, start.travel_time, made)
     base, trajectory = case.dynamics.transcribe(case.scenario, case.model, grid)
-    coupling = _coupling(case, trajectory)
-    nodes = tuple(grid.nodes("contact")) if len(grid.phases) == 3 else (grid.phases[0].intervals,)
-    mpcc = base.start_from(trajectory.encode(start)) + coupling.at_nodes(nodes)
-    if len(grid.phases) == 3 and case.scenario.contact_seconds is None:
-        mpcc += _average_steps(grid, case.scenario.kappa_init - 1)
-    return Problem(mpcc, trajectory, nodes)
+    problem = _at_windows(case, base.start_from(trajectory.encode(start)), trajectory, contact)
+    steps = (_average_steps(grid, phase, stop) for phase, stop in averaged)
+    return replace(problem, mpcc=sum(steps, problem.mpcc))
 
 
-def phase_grid(case: Case, travel_time: float) -> Grid:
-    """Time axis of the three phases, guessed from a travel time in s and the scenario's contact guess."""
-    scenario = case.scenario
-    seconds = scenario.contact_seconds
+def phase_grid(
+    case: Case, travel_time: float, made: Sequence[Stop]
+) -> tuple[Grid, Windows, list[tuple[int, Stop]]]:
+    """Time axis of the phases, guessed from a travel time in s and the scenario's contact guess.
+
+    Also returns the nodes of each contact, and which phases are contacts whose duration is a number of steps.
+    """
+    scenario, found = case.scenario, list[Phase]()
+    contact: dict[str, tuple[int, ...]] = {}
+    averaged: list[tuple[int, Stop]] = []
     longest = scenario.travel_time[1]
-    inside = scenario.kappa_init if (scenario.kappa_init > 1 or seconds) else 0
-    approach = (scenario.intervals - inside) // 2
-    before = Phase("approach", approach, SHORTEST, longest, scenario.contact_guess * travel_time)
-    after = Phase(
-        "leave", scenario.intervals - inside - approach, SHORTEST, longest, travel_time - before.guess
-    )
-    if not inside:
-        return Grid((before, after))
-    guess = (scenario.kappa_init - 1) * travel_time / scenario.intervals if seconds is None else seconds
-    low, high = (SHORTEST, longest) if seconds is None else (seconds, seconds)
-    return Grid((before, Phase("contact", inside, low, high, guess), after))
+    inside = [s.kappa_init if (s.kappa_init > 1 or s.contact_seconds) else 0 for s in made]
+    flown = scenario.intervals - sum(inside)
+    legs = np.diff([flown * i // (len(made) + 1) for i in range(len(made) + 2)])
+    marks = travel_time * np.array([0.0, *spread(len(made), scenario.contact_guess), 1.0])
+    names = ["approach", *(f"transfer_to_{stop.name}" for stop in made[1:]), "leave"]
+    for i, stop in enumerate(made):
+        found.append(Phase(names[i], int(legs[i]), SHORTEST, longest, marks[i + 1] - marks[i]))
+        first = sum(phase.intervals for phase in found)
+        contact[stop.name] = tuple(range(first, first + inside[i] + 1))
+        if not inside[i]:
+            continue
+        seconds = stop.contact_seconds
+        guess = (stop.kappa_init - 1) * travel_time / scenario.intervals if seconds is None else seconds
+        low, high = (SHORTEST, longest) if seconds is None else (seconds, seconds)
+        if seconds is None:
+            averaged.append((len(found), stop))
+        found.append(Phase(f"{stop.prefix}contact", inside[i], low, high, guess))
+    last = names[len(made)] if made else "flight"
+    found.append(Phase(last, int(legs[-1]), SHORTEST, longest, marks[-1] - marks[-2]))
+    return Grid(tuple(found)), contact, averaged
 
 
-def nearest_window(plan: Plan, trajectory: Trajectory, count: int) -> tuple[int, ...]:
-    """The `count` consecutive nodes of a one-phase grid whose middle is nearest to the plan's contact."""
-    claimed = plan.time[plan.progress > 0.5 * plan.progress.max()]
+def nearest_window(plan: Plan, trajectory: Trajectory, count: int, stop: str = "") -> tuple[int, ...]:
+    """The `count` consecutive nodes of a one-phase grid whose middle is nearest to the plan's contact.
+
+    stop: whose contact, by name; the plan's first one if not given.
+    """
+    progress = plan.claims[:, plan.stop_names.index(stop) if stop else 0]
+    claimed = plan.time[progress > 0.5 * progress.max()]
     middle = (claimed[0] + claimed[-1]) / 2
     time = trajectory.grid.time_weights @ trajectory.encode(plan)["T"].ravel()
     last = trajectory.grid.intervals - count
@@ -102,23 +139,59 @@ def nearest_window(plan: Plan, trajectory: Trajectory, count: int) -> tuple[int,
     return tuple(range(first, first + count))
 
 
-def _flight(case: Case, start: Plan) -> tuple[Mpcc, Trajectory, Coupling]:
+def nearest_windows(case: Case, plan: Plan) -> Windows:
+    """The nearest window of the one-phase grid for every stop that a plan makes."""
+    _, trajectory = _flight(case, plan)
+    return {
+        stop.name: nearest_window(plan, trajectory, stop.kappa_init, stop.name)
+        for stop in case.scenario.itinerary.stops
+        if stop.name in plan.stop_names and _claims(plan, stop.name).max() > WHOLE
+    }
+
+
+def _claims(plan: Plan, stop: str) -> Array:
+    return plan.claims[:, plan.stop_names.index(stop)]
+
+
+def _kappa(start: Plan, trajectory: Trajectory, stop: Stop) -> Array:
+    """Guess of kappa (N + 1,): the nearest window, or where a plan only spreads its progress, as it does."""
+    nodes = trajectory.grid.intervals
+    progress = _claims(start, stop.name)
+    if progress.max() > WHOLE:
+        window = nearest_window(start, trajectory, stop.kappa_init, stop.name)
+        return stop.kappa_init - np.concatenate([[0.0], np.cumsum(np.isin(np.arange(nodes), window))])
+    to_come = np.cumsum(progress[::-1])[::-1]
+    share = np.linspace(0.0, start.travel_time, nodes + 1)
+    return np.interp(share, start.time, to_come)
+
+
+def _flight(case: Case, start: Plan) -> tuple[Mpcc, Trajectory]:
     scenario = case.scenario
     grid = Grid((Phase("flight", scenario.intervals, *scenario.travel_time, start.travel_time),))
     base, trajectory = case.dynamics.transcribe(scenario, case.model, grid)
-    return base.start_from(trajectory.encode(start)), trajectory, _coupling(case, trajectory)
+    return base.start_from(trajectory.encode(start)), trajectory
 
 
-def _coupling(case: Case, trajectory: Trajectory) -> Coupling:
-    scenario = case.scenario
-    return Coupling(scenario.contacts, case.model, scenario.target, trajectory, scenario.contact_margin)
+def _at_windows(case: Case, base: Mpcc, trajectory: Trajectory, contact: Windows) -> Problem:
+    itinerary = case.scenario.itinerary
+    made = [stop for stop in itinerary.stops if stop.name in contact]
+    for stop in made:
+        base += _coupling(case, trajectory, stop).at_nodes(contact[stop.name])
+    return Problem(base + tour.choice(itinerary, made), trajectory, contact, itinerary.stops)
 
 
-def _average_steps(grid: Grid, steps: int) -> Mpcc:
-    """T_contact = steps * t_N / N."""
+def _coupling(case: Case, trajectory: Trajectory, stop: Stop) -> Coupling:
+    return Coupling(
+        stop.contacts, case.model, stop.target, trajectory, case.scenario.contact_margin, stop.prefix
+    )
+
+
+def _average_steps(grid: Grid, phase: int, stop: Stop) -> Mpcc:
+    """T_contact = (kappa_init - 1) t_N / N."""
     duration = ca.SX.sym("T", len(grid.phases))
     p = ca.SX.sym("p", 1)
-    rest = duration[1] - p * ca.sum1(duration)
+    rest = duration[phase] - p * ca.sum1(duration)
     function = ca.Function("contact_duration", [duration, p, ca.SX.sym("sigma")], [rest])
-    share, zero = np.array([[steps / grid.intervals]]), np.zeros((1, 1))
-    return Mpcc((), (Block("contact_duration", function, (durations(grid, 1),), share, zero, zero, "s"),))
+    share, zero = np.array([[(stop.kappa_init - 1) / grid.intervals]]), np.zeros((1, 1))
+    name = f"{stop.prefix}contact_duration"
+    return Mpcc((), (Block(name, function, (durations(grid, 1),), share, zero, zero, "s"),))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 
 from benchbench.case import Case, Ledger
 from benchbench.motion import sample
-from benchbench.plan import Plan
+from benchbench.plan import Array, Plan
+from benchbench.stop import Stop, spread
 
 ABOVE = 0.02
 """How far above the target the straight line passes, m: a guess exactly on it sits on a stationary point."""
@@ -22,13 +24,43 @@ class Guess(ABC):
         """Return a plan on any grid."""
 
 
-def straight_line(case: Case) -> Plan:
-    """Start, above the target at the guessed contact time, end; at hover, without turning anything but the nose."""
+def straight_line(case: Case, sequence: Sequence[Stop] | None = None) -> Plan:
+    """Start, above each target at its guessed contact time, end; at hover, without turning anything but the nose.
+
+    sequence: the stops that are made, in order; None: as they are listed.
+    """
     scenario, model = case.scenario, case.model
+    itinerary = scenario.itinerary
+    made = itinerary.listed if sequence is None else tuple(sequence)
     total, n = scenario.travel_time_guess, scenario.intervals
-    contact = scenario.contact_guess * total
+    shares = spread(len(made), scenario.contact_guess)
     start, end = scenario.start_point(model), scenario.end_point(model)
-    (target,), (way,) = sample(scenario.target, np.array([contact]))
+    corners = np.stack([start, *(_over(case, s, t) for s, t in zip(made, shares * total, strict=True)), end])
+    time = np.linspace(0.0, total, n + 1)
+    q = np.stack([np.interp(time, [0.0, *(shares * total), total], column) for column in corners.T], axis=-1)
+    progress, first = np.zeros((n + 1, len(itinerary.stops))), 0
+    for stop, share in zip(made, shares, strict=True):
+        first = max(first, min(int(share * n), n - stop.kappa_init))
+        progress[first : first + stop.kappa_init, itinerary.names.index(stop.name)] = 1.0
+        first += stop.kappa_init
+    return hovering(case, time, q, progress)
+
+
+def hovering(case: Case, time: Array, q: Array, progress: Array) -> Plan:
+    """Make a plan of nodes at `time` (n + 1,) s, at hover, that moves as q (n + 1, n_q) does."""
+    c, w, u = case.model.configuration, case.model.velocity, case.model.inputs
+    moving = np.gradient(q, time, axis=0) if c.names == w.names else np.zeros((len(time), len(w.names)))
+    return Plan(
+        time, q, moving, np.tile(case.model.hover(), (len(time) - 1, 1)), progress, "hold",
+        c.names, c.units, u.names, u.units, w.names, w.units, case.scenario.itinerary.names,
+    )  # fmt: skip
+
+
+def _over(case: Case, stop: Stop, time: float) -> Array:
+    """Configuration (n_q,) with the tool a little above the target at `time`, the nose where it moves to."""
+    model = case.model
+    start = case.scenario.start_point(model)
+    (target,), (way,) = sample(stop.target, np.array([time]))
     over = start.copy()
     names = model.configuration.names
     xyz = [names.index(k) for k in ("x", "y", "z")]
@@ -36,15 +68,4 @@ def straight_line(case: Case) -> Plan:
     over[xyz] = target - hang + [0.0, 0.0, ABOVE]
     if "yaw" in names and np.hypot(*way[:2]) > 0.0:
         over[names.index("yaw")] = np.arctan2(way[1], way[0])
-    time = np.linspace(0.0, total, n + 1)
-    corners = np.stack([start, over, end])
-    q = np.stack([np.interp(time, [0.0, contact, total], column) for column in corners.T], axis=-1)
-    first = min(int(scenario.contact_guess * n), n - scenario.kappa_init)
-    progress = np.zeros(n + 1)
-    progress[first : first + scenario.kappa_init] = 1.0
-    c, w, u = model.configuration, model.velocity, model.inputs
-    moving = np.gradient(q, time, axis=0) if c.names == w.names else np.zeros((n + 1, len(w.names)))
-    return Plan(
-        time, q, moving, np.tile(model.hover(), (n, 1)), progress, "hold",
-        c.names, c.units, u.names, u.units, w.names, w.units,
-    )  # fmt: skip
+    return over

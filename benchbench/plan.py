@@ -26,8 +26,9 @@ class Plan:
                    (N+1, n_u) when it is "linear" (row k is the value at t_k);
                    (N d, n_u) when it is "bezier": d control points per interval, a polynomial of degree
                    d - 1 in each, which stays within the bounds of its control points
-    progress       (N+1,) progress index epsilon_k in [0, 1] at each node (last entry 0 for DMCC plans);
-                   epsilon_k > 0 claims that node k is in contact
+    progress       (N+1,), or (N+1, stops) where there are several: progress index epsilon_k in [0, 1] at each
+                   node (last entry 0 for DMCC plans); epsilon_k > 0 claims that node k is in contact
+    stop_names     names of the stops, in the order of the columns of `progress`
     """
 
     time: Array
@@ -42,6 +43,7 @@ class Plan:
     input_units: tuple[str, ...]
     velocity_names: tuple[str, ...] = ()
     velocity_units: tuple[str, ...] = ()
+    stop_names: tuple[str, ...] = ("target",)
 
     def __post_init__(self) -> None:
         """Check the shapes against each other; raises ValueError naming the wrong one."""
@@ -49,6 +51,8 @@ class Plan:
             object.__setattr__(self, "velocity_names", self.coordinate_names)
             object.__setattr__(self, "velocity_units", tuple(f"{unit}/s" for unit in self.coordinate_units))
         nodes = len(self.time)
+        if self.progress.shape == (nodes, 1):
+            object.__setattr__(self, "progress", self.progress[:, 0])
         rows = {"hold": nodes - 1, "linear": nodes}.get(self.interpolation, len(self.inputs))
         if rows % (nodes - 1) and self.interpolation == "bezier":
             raise ValueError(f"plan.inputs has {rows} control points for {nodes - 1} intervals")
@@ -56,7 +60,7 @@ class Plan:
             "configuration": (nodes, len(self.coordinate_names)),
             "velocity": (nodes, len(self.velocity_names)),
             "inputs": (rows, len(self.input_names)),
-            "progress": (nodes,),
+            "progress": (nodes,) if len(self.stop_names) == 1 else (nodes, len(self.stop_names)),
         }
         for name, shape in wanted.items():
             if getattr(self, name).shape != shape:
@@ -66,6 +70,11 @@ class Plan:
     def intervals(self) -> int:
         """Number of intervals N."""
         return len(self.time) - 1
+
+    @property
+    def claims(self) -> Array:
+        """Progress index of each node for each stop, (N + 1, stops), also where there is one stop."""
+        return self.progress.reshape(len(self.time), -1)
 
     @property
     def travel_time(self) -> float:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, InstanceOf, model_validator
@@ -13,6 +14,7 @@ from benchbench.errors import BadInput
 from benchbench.model import Coordinates, Model
 from benchbench.motion import Motion
 from benchbench.plan import Array
+from benchbench.stop import Itinerary, Order, Stop, Visit
 
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -38,16 +40,39 @@ class Ends:
     upper_v: Array
 
 
+class StopFields(BaseModel):
+    """What a scenario says about one of several stops; what it leaves out is as in the scenario itself.
+
+    target           motion of the target
+    contacts         conditions that must hold together while in contact, by name
+    kappa_init       number of consecutive nodes in contact
+    contact_seconds  duration of the contact in s
+    reward           seconds of travel time that making the stop is worth; only with visit: optional
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+
+    target: InstanceOf[Motion]
+    contacts: dict[str, InstanceOf[Contact]] | None = None
+    kappa_init: Annotated[int, Field(ge=1)] | None = None
+    contact_seconds: NonNegative | None = None
+    reward: Positive | None = None
+
+
 class Scenario(BaseModel):
-    """Fly from `start` to `end` in least time and touch the moving target on the way.
+    """Fly from `start` to `end` in least time and touch the moving target on the way, or several of them.
 
     start, end         coordinates by name (m, rad); what is not named is 0; both at rest
-    target             motion of the target
+    target             motion of the target, where there is one
+    stops              where there are several: stops by name, each with its target
+    order              fixed: stops are made as they are listed; free: in any order
+    visit              all: every stop is made; one: exactly one; optional: those with a reward may be left out
     contacts           conditions that must hold together while in contact, by name
     kappa_init         number of consecutive nodes in contact, at least 1 (paper Eq. 26)
     contact_seconds    duration of the contact in s; null: (kappa_init - 1) average steps. Planned by the phase
                        formulations, asked for by the certificate; progress variables only count nodes
-    contact_guess      where in the flight the contact is first guessed, as a fraction of the travel time
+    contact_guess      where in the flight the contact is first guessed, as a fraction of the travel time;
+                       several stops are spread evenly before and after this middle
     intervals          N, number of intervals of the time grid
     travel_time        allowed travel time [s, s]
     travel_time_guess  first guess of the travel time in s
@@ -64,7 +89,10 @@ class Scenario(BaseModel):
     name: str
     start: dict[str, Finite]
     end: dict[str, Finite]
-    target: InstanceOf[Motion]
+    target: InstanceOf[Motion] | None = None
+    stops: dict[str, StopFields] = Field(default_factory=dict)
+    order: Order = "fixed"
+    visit: Visit = "all"
     contacts: dict[str, InstanceOf[Contact]]
     kappa_init: Annotated[int, Field(ge=1)] = 2
     contact_seconds: NonNegative | None = None
@@ -83,6 +111,28 @@ class Scenario(BaseModel):
     def _drop_disabled_contacts(cls, data: dict[str, Any]) -> dict[str, Any]:
         kept = {k: v for k, v in (data.get("contacts") or {}).items() if v is not None}
         return {**data, "contacts": kept}
+
+    @model_validator(mode="after")
+    def _one_target_or_stops(self) -> Self:
+        check_stops(self)
+        return self
+
+    @property
+    def itinerary(self) -> Itinerary:
+        """All stops; a scenario with one `target` has one stop of that name."""
+        if self.target is not None:
+            only = Stop("target", self.target, self.contacts, self.kappa_init, self.contact_seconds)
+            return Itinerary((only,))
+        stops = (
+            Stop(
+                name, given.target, self.contacts if given.contacts is None else given.contacts,
+                given.kappa_init or self.kappa_init,
+                self.contact_seconds if given.contact_seconds is None else given.contact_seconds,
+                given.reward, f"{name}_",
+            )
+            for name, given in self.stops.items()
+        )  # fmt: skip
+        return Itinerary(tuple(stops), self.order, self.visit)
 
     def start_point(self, model: Model) -> Array:
         """Return the start configuration (n_q,)."""
@@ -136,6 +186,29 @@ class Scenario(BaseModel):
         for name, margin in self.rate_margin.items():
             share[coordinate(name, model.velocity, "scenario.rate_margin")] -= margin
         return share
+
+
+def check_stops(scenario: Scenario) -> None:
+    """Raise BadInput where targets, stops, order and visit do not fit together."""
+    stops = scenario.stops
+    if scenario.target is not None and stops:
+        allowed = "no target; each of scenario.stops has its own"
+        raise BadInput("scenario.target", "is given beside scenario.stops", allowed)
+    if scenario.target is None and not stops:
+        raise BadInput("scenario.target", "is missing")
+    if scenario.visit == "one" and len(stops) < 2:
+        raise BadInput("scenario.visit", "one of several is asked for, but there is one stop", "all")
+    for name, stop in stops.items():
+        if not re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name):
+            raise BadInput(f"scenario.stops.{name}", "is no name", "letters, digits and single _ in between")
+        if stop.reward is not None and scenario.visit != "optional":
+            allowed = "no reward, or scenario.visit=optional"
+            raise BadInput(
+                f"scenario.stops.{name}.reward", f"means nothing with visit={scenario.visit}", allowed
+            )
+    if scenario.visit == "optional" and all(stop.reward is None for stop in stops.values()):
+        allowed = "scenario.stops.NAME.reward, in s, for each stop that may be left out"
+        raise BadInput("scenario.visit", "no stop has a reward, so none may be left out", allowed)
 
 
 def coordinate(name: str, of: Coordinates, field: str) -> int:

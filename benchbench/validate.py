@@ -17,7 +17,9 @@ from benchbench.motion import sample
 from benchbench.mpcc import Block, Mpcc, Variable, rows
 from benchbench.plan import Array
 from benchbench.race.scenario import Race
+from benchbench.scenario import Scenario
 from benchbench.solver import Setup
+from benchbench.stop import Stop
 
 
 def validate(case: Case) -> None:
@@ -37,19 +39,22 @@ def validate(case: Case) -> None:
 
 def _numbers(case: Case) -> None:
     scenario = case.scenario
-    most = scenario.intervals - 2  # one interval to come and one to leave
-    if scenario.kappa_init > most:
-        problem = f"{scenario.kappa_init} nodes in contact do not fit into {scenario.intervals} intervals"
-        raise BadInput("scenario.kappa_init", problem, f"1 to {most}")
+    stops = scenario.itinerary.listed
+    most = scenario.intervals - len(stops) - 1  # one interval to come, one from stop to stop, one to leave
+    asked = sum(stop.kappa_init for stop in stops)
+    if asked > most:
+        problem = f"{asked} nodes in contact do not fit into {scenario.intervals} intervals"
+        raise BadInput("scenario.kappa_init", problem, f"1 to {most}{' in all' * (len(stops) > 1)}")
     first, last = scenario.travel_time
     if not 0 <= first <= last < np.inf or last == 0:
         raise BadInput(
             "scenario.travel_time", f"[{first}, {last}] was given", "two finite numbers of seconds from 0 on"
         )
-    seconds = scenario.contact_seconds
-    if seconds is not None and not 0 < seconds < last:
-        problem, allowed = f"{seconds} s is no part of the flight", f"null, or above 0 and below {last} s"
-        raise BadInput("scenario.contact_seconds", problem, allowed)
+    for stop in scenario.itinerary.stops:
+        seconds = stop.contact_seconds
+        if seconds is not None and not 0 < seconds < last:
+            problem, allowed = f"{seconds} s is no part of the flight", f"null, or above 0 and below {last} s"
+            raise BadInput("scenario.contact_seconds", problem, allowed)
     schedule = np.asarray(case.relaxation.schedule)
     if not schedule.size or not np.all(np.isfinite(schedule)) or np.any(schedule < 0):
         problem = f"{list(case.relaxation.schedule)} was given"
@@ -94,30 +99,44 @@ def _pose(which: str, q: Array, case: Case) -> None:
 
 
 def _reachable(case: Case) -> None:
-    """Some time the target is near where the vehicle may be, and there is time to go there and to the end."""
+    """Some time each target is near where the vehicle may be, and there is time to go there and to the end."""
     scenario, model = case.scenario, case.model
-    plant = model.plant()
-    latest = scenario.travel_time[1]
-    target, _ = sample(scenario.target, np.linspace(0.0, latest, 301))
+    plant, latest = model.plant(), scenario.travel_time[1]
+    for stop in scenario.itinerary.stops:
+        _near(stop, case)
+    bound = lower_bound(scenario, model, plant)
+    if bound == np.inf:
+        problem = f"is out of reach: at full speed the vehicle does not meet it within {latest:g} s"
+        raise BadInput(_field(scenario), problem, "a nearer target, or a longer scenario.travel_time")
+    if bound > latest:
+        problem = f"{latest:g} s are too short, at full speed the flight takes {bound:.3f} s"
+        raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
+
+
+def _near(stop: Stop, case: Case) -> None:
+    """Some time the target is near where the vehicle may be."""
+    scenario, model = case.scenario, case.model
+    target, _ = sample(stop.target, np.linspace(0.0, scenario.travel_time[1], 301))
+    field = _field(scenario, stop)
     if not np.all(np.isfinite(target)):
-        raise BadInput("scenario.target", "gives positions that are not finite", "finite positions in m")
+        raise BadInput(field, "gives positions that are not finite", "finite positions in m")
     limits = scenario.limits(model)
-    reach = arm_reach(model, plant) + max(
-        (c.limit for c in scenario.contacts.values() if c.unit == "m"), default=0.0
+    reach = arm_reach(model, model.plant()) + max(
+        (c.limit for c in stop.contacts.values() if c.unit == "m"), default=0.0
     )
     for axis, column in zip(AXES, target.T, strict=True):
         i = limits.index(axis)
         low, high = limits.lower[i] - reach, limits.upper[i] + reach
         if not np.any((column >= low) & (column <= high)):
             problem = f"is out of reach: its {axis} goes from {column.min():g} to {column.max():g} m"
-            raise BadInput("scenario.target", problem, f"{axis} between {low:g} and {high:g} m at some time")
-    bound = lower_bound(scenario, model, plant)
-    if bound == np.inf:
-        problem = f"is out of reach: at full speed the vehicle does not meet it within {latest:g} s"
-        raise BadInput("scenario.target", problem, "a nearer target, or a longer scenario.travel_time")
-    if bound > latest:
-        problem = f"{latest:g} s are too short, at full speed the flight takes {bound:.3f} s"
-        raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
+            raise BadInput(field, problem, f"{axis} between {low:g} and {high:g} m at some time")
+
+
+def _field(scenario: Scenario, stop: Stop | None = None) -> str:
+    """Name of the field that gives the target of a stop, or of all of them."""
+    if scenario.target is not None:
+        return "scenario.target"
+    return "scenario.stops" if stop is None else f"scenario.stops.{stop.name}.target"
 
 
 def _racer(case: Case) -> None:

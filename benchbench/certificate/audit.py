@@ -1,4 +1,4 @@
-"""Contact audit: which nodes claim contact, which hold every condition, what the replay does meanwhile."""
+"""Contact audit, stop by stop: which nodes claim contact, which hold every condition, what the replay does."""
 
 from __future__ import annotations
 
@@ -14,23 +14,26 @@ from benchbench.contact import Contact
 from benchbench.model import Plant
 from benchbench.motion import sample
 from benchbench.plan import Array, Plan
-from benchbench.scenario import Scenario
+from benchbench.stop import Itinerary, Stop
 
 Flags = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Audit:
-    """What was found; `planned` (N + 1,) and `replayed` (m,) gaps by contact name, in the contact's unit.
+    """What was found at one stop; `planned` (N + 1,) and `replayed` (m,) gaps by contact, in the contact's unit.
 
+    progress (N + 1,) progress index that the plan claims for this stop
     claims   (N + 1,) nodes whose progress index says contact
     window   first and last node of the longest run of nodes that claim contact and hold every condition,
              None without any
     dense    (m,) samples of the replay inside the window, both ends included
     """
 
+    stop: Stop
     planned: dict[str, Array]
     replayed: dict[str, Array]
+    progress: Array
     claims: Flags
     window: tuple[int, int] | None
     dense: Flags
@@ -49,33 +52,41 @@ class Audit:
         return _argmax(self.replayed[name], self.dense)
 
 
-def audit(plan: Plan, flight: Replay, scenario: Scenario, plant: Plant, limits: Limits) -> Audit:
-    """Measure every contact at the planned nodes and on the replay.
+def audit(
+    plan: Plan, flight: Replay, itinerary: Itinerary, plant: Plant, limits: Limits
+) -> tuple[Audit, ...]:
+    """Measure every contact of every stop at the planned nodes and on the replay.
 
     A node counts as contact only if all conditions hold there to `limits.node`: a progress index of 0.02
-    does not buy fifty times the speed.
+    does not buy fifty times the speed. A stop that the plan does not know is one that it does not claim.
     """
-    planned = _gaps(scenario, plant, plan.time, plan.configuration, plan.velocity)
-    replayed = _gaps(scenario, plant, flight.time, flight.configuration, flight.velocity)
-    claims = plan.progress > limits.contact_claim
+    return tuple(_audit(plan, flight, stop, plant, limits) for stop in itinerary.stops)
+
+
+def _audit(plan: Plan, flight: Replay, stop: Stop, plant: Plant, limits: Limits) -> Audit:
+    planned = _gaps(stop, plant, plan.time, plan.configuration, plan.velocity)
+    replayed = _gaps(stop, plant, flight.time, flight.configuration, flight.velocity)
+    known = stop.name in plan.stop_names
+    progress = plan.claims[:, plan.stop_names.index(stop.name)] if known else np.zeros(len(plan.time))
+    claims = progress > limits.contact_claim
     holds = claims.copy()
-    for name, contact in event_contacts(scenario):
+    for name, contact in event_contacts(stop):
         holds &= planned[name] <= contact.limit + limits.node
     window = longest_run(holds)
     dense = np.zeros(len(flight.time), bool)
     if window is not None:
         dense[flight.nodes[window[0]] : flight.nodes[window[1]] + 1] = True
-    return Audit(planned, replayed, claims, window, dense)
+    return Audit(stop, planned, replayed, progress, claims, window, dense)
 
 
-def event_contacts(scenario: Scenario) -> Iterator[tuple[str, Contact]]:
+def event_contacts(stop: Stop) -> Iterator[tuple[str, Contact]]:
     """Contacts that must hold together at the event."""
-    return ((n, c) for n, c in scenario.contacts.items() if not c.always)
+    return ((n, c) for n, c in stop.contacts.items() if not c.always)
 
 
-def path_contacts(scenario: Scenario) -> Iterator[tuple[str, Contact]]:
+def path_contacts(stop: Stop) -> Iterator[tuple[str, Contact]]:
     """Conditions that must hold all the time, in contact or not."""
-    return ((n, c) for n, c in scenario.contacts.items() if c.always)
+    return ((n, c) for n, c in stop.contacts.items() if c.always)
 
 
 def longest_run(flags: Flags) -> tuple[int, int] | None:
@@ -87,10 +98,10 @@ def longest_run(flags: Flags) -> tuple[int, int] | None:
     return int(edges[2 * longest]), int(edges[2 * longest + 1]) - 1
 
 
-def _gaps(scenario: Scenario, plant: Plant, time: Array, q: Array, v: Array) -> dict[str, Array]:
-    position, velocity = sample(scenario.target, time)
+def _gaps(stop: Stop, plant: Plant, time: Array, q: Array, v: Array) -> dict[str, Array]:
+    position, velocity = sample(stop.target, time)
     with np.errstate(invalid="ignore"):
-        return {name: c.gap(plant, q, v, position, velocity) for name, c in scenario.contacts.items()}
+        return {name: c.gap(plant, q, v, position, velocity) for name, c in stop.contacts.items()}
 
 
 def _argmax(values: Array, where: Flags) -> int:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from benchbench.model import Model, Plant
@@ -9,6 +11,7 @@ from benchbench.motion import sample
 from benchbench.plan import Array
 from benchbench.race.scenario import Race
 from benchbench.scenario import Scenario
+from benchbench.stop import Stop
 
 AXES = ("x", "y", "z")
 STEP = 1e-3
@@ -16,27 +19,42 @@ STEP = 1e-3
 
 
 def lower_bound(scenario: Scenario, model: Model, plant: Plant) -> float:
-    """Return a time in s that no plan can beat.
+    """Return a time in s that no plan can beat; `inf` when no allowed travel time reaches every stop asked for."""
+    if isinstance(scenario, Race):
+        return race_bound(scenario, model, plant)
+    return min(sequence_bound(scenario, made, model, plant) for made in scenario.itinerary.sequences())
 
-    Axis i needs |p_end - p_start|_i / v_max,i. Where contact asks for a distance `nu_max` ("position" among
-    the contacts), the vehicle must also be at some time t within the arm's reach plus nu_max of the target
-    on every axis, and needs the time from there to the end. `inf` when no allowed travel time reaches it.
+
+def sequence_bound(scenario: Scenario, made: Sequence[Stop], model: Model, plant: Plant) -> float:
+    """Return a time in s that no plan that makes these stops in this order can beat.
+
+    Axis i needs |p_end - p_start|_i / v_max,i. Where contact asks for a distance `nu_max` ("position" among the contacts),
+    the vehicle must also be at some time t within the arm's reach plus nu_max of the target on every axis, at
+    times that follow each other for all stops, and needs the time from the last one to the end. From stop to stop
+    each axis may choose its own time at the stop before, which can only make the bound smaller.
     """
     index = [model.configuration.index(name) for name in AXES]
     speed = model.velocity.upper[index]
     start, end = scenario.start_point(model)[index], scenario.end_point(model)[index]
-    if isinstance(scenario, Race):
-        return race_bound(scenario, model, plant)
     direct = float(np.max(np.abs(end - start) / speed))
-    if "position" not in scenario.contacts:
+    touched = [stop for stop in made if "position" in stop.contacts]
+    if not touched:
         return direct
-    reach = arm_reach(model, plant) + scenario.contacts["position"].limit
     time = np.arange(0.0, scenario.travel_time[1], STEP)
-    target, moving = sample(scenario.target, time)
-    close = reach + STEP * np.max(np.abs(moving), axis=0)
-    reachable = np.all(np.abs(target - start) <= close + speed * (time[:, None] + STEP), axis=1)
+    arm, late = arm_reach(model, plant), speed * (time[:, None] + STEP)
+    low, high, near = start - late, start + late, 0.0
+    ready = np.ones(len(time), bool)
+    for stop in touched:
+        target, moving = sample(stop.target, time)
+        close = arm + stop.contacts["position"].limit + STEP * np.max(np.abs(moving), axis=0)
+        at = ready & np.all((target >= low - close - near) & (target <= high + close + near), axis=1)
+        ready = np.logical_or.accumulate(at)
+        away = speed * time[:, None]
+        low = np.minimum.accumulate(np.where(at[:, None], target + away, np.inf)) - late
+        high = np.maximum.accumulate(np.where(at[:, None], target - away, -np.inf)) + late
+        near = close
     rest = np.max(np.maximum(np.abs(target - end) - close, 0.0) / speed, axis=1)
-    return max(direct, float(np.min(np.where(reachable, time + rest, np.inf))))
+    return max(direct, float(np.min(np.where(at, time + rest, np.inf))))
 
 
 def race_bound(race: Race, model: Model, plant: Plant) -> float:

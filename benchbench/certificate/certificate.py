@@ -44,6 +44,8 @@ class Measures:
     contact_max_speed_gap_mps: float | None = None
     contact_max_heading_error_rad: float | None = None
     max_rate_ratio: float | None = None
+    stops: tuple[str, ...] | None = None
+    reward_s: float | None = None
     gate_worst_miss_m: float | None = None
     gates: int | None = None
     gates_passed: int | None = None
@@ -101,5 +103,5 @@ def _number(value: float, unit: str) -> str:
     return f"{value:.6g} {unit}".rstrip() if unit != "1" else f"{value:.6g}"
 
 
-def _finite(value: float | None) -> float | None:
-    return value if value is None or math.isfinite(value) else None
+def _finite(value: float | tuple[str, ...] | None) -> float | tuple[str, ...] | None:
+    return None if isinstance(value, float) and not math.isfinite(value) else value

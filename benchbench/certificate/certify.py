@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from benchbench.certificate import checks, race
+from benchbench.certificate import checks, race, stops
 from benchbench.certificate.audit import Audit, audit
 from benchbench.certificate.certificate import Certificate, Check, Measures
 from benchbench.certificate.limits import Limits
@@ -39,16 +40,21 @@ def certify(
     if isinstance(scenario, Race):
         return _certify_race(plan, scenario, model, limits, residuals, missed, found)
     flight = replay(plan, plant, restart_seconds=limits.restart_seconds)
-    contact = audit(plan, flight, scenario, plant, limits)
+    itinerary = scenario.itinerary
+    contacts = audit(plan, flight, itinerary, plant, limits)
+    asked = stops.asked(contacts, itinerary)
     found += checks.planned(plan, scenario, model, limits)
     found += checks.consistency(plan, missed, limits)
-    found += checks.contact_planned(plan, contact, scenario, limits)
+    for contact in contacts:
+        found += checks.contact_planned(plan, contact, contact in asked, limits)
+    found += stops.made(plan, asked, itinerary)
     if flight.broken_at is None:
         found += checks.flown(plan, flight, scenario, model, limits)
-        found += checks.contact_flown(flight, contact, scenario, limits)
+        for contact in contacts:
+            found += checks.contact_flown(flight, contact, limits)
     else:
         found.append(_breakdown(flight.broken_at))
-    measures = _measures(plan, missed, flight, contact, scenario, model)
+    measures = _measures(plan, missed, flight, contacts, scenario, model)
     return Certificate(tuple(found), Measures(**_problem(residuals), **measures), flight)
 
 
@@ -94,7 +100,7 @@ def _problem(residuals: Residuals | None) -> dict[str, Any]:
 
 
 def _measures(
-    plan: Plan, missed: Defects, flight: Replay, contact: Audit, scenario: Scenario, model: Model
+    plan: Plan, missed: Defects, flight: Replay, contacts: Sequence[Audit], scenario: Scenario, model: Model
 ) -> dict[str, Any]:
     drift = flight.configuration[flight.nodes] - plan.configuration
     end = flight.configuration[-1:] - scenario.end_point(model)
@@ -104,16 +110,6 @@ def _measures(
         "replay_drift_position_m": np.max(checks.distance(plan, drift)),
         "replay_end_error_m": checks.distance(plan, end)[0],
         "max_rate_ratio": np.max(checks.rate_ratio(flight.velocity, model.velocity)),
-        "contact_steps": contact.steps,
     }
-    if contact.window is not None:
-        start, stop = plan.time[list(contact.window)]
-        numbers |= {"contact_start_s": start, "contact_end_s": stop, "contact_duration_s": stop - start}
-        for name, key in (
-            ("position", "contact_max_distance_m"),
-            ("velocity", "contact_max_speed_gap_mps"),
-            ("heading", "contact_max_heading_error_rad"),
-        ):
-            if name in contact.replayed:
-                numbers[key] = contact.replayed[name][contact.worst_replayed(name)]
-    return {key: value if isinstance(value, int) else float(value) for key, value in numbers.items()}
+    numbers = {key: float(value) for key, value in numbers.items()}
+    return numbers | stops.measures(plan, contacts, scenario.itinerary)

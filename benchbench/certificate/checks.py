@@ -103,47 +103,50 @@ def flown(plan: Plan, flight: Replay, scenario: Scenario, model: Model, limits: 
     yield at_most("replay_end_rest", what, value, limits.end_velocity_ratio, TIMES)
 
 
-def contact_planned(plan: Plan, found: Audit, scenario: Scenario, limits: Limits) -> Checks:
-    """Check that every node that claims contact is in contact, and enough of them in a row."""
-    for name, contact in event_contacts(scenario):
+def contact_planned(plan: Plan, found: Audit, asked: bool, limits: Limits) -> Checks:
+    """Check that every node that claims contact is in contact, and enough of them in a row where that is `asked`."""
+    stop = found.stop
+    for name, contact in event_contacts(stop):
         if found.claims.any():
             k = found.worst_planned(name)
             gap, limit = float(found.planned[name][k]), contact.limit + limits.node
             reason = (
-                f"node {k} claims contact with epsilon {plan.progress[k]:.3g} but its {spoken(name)} is "
-                f"{gap:.6g} {contact.unit}, allowed {contact.limit:.6g} {contact.unit}"
+                f"node {k} claims contact{stop.label} with epsilon {found.progress[k]:.3g} but its "
+                f"{spoken(name)} is {gap:.6g} {contact.unit}, allowed {contact.limit:.6g} {contact.unit}"
             )
             ok = gap <= limit
             yield Check(f"contact_node_{name}", gap, limit, contact.unit, ok, "" if ok else reason)
-    for name, contact in path_contacts(scenario):
+    for name, contact in path_contacts(stop):
         gap, (k,) = worst(found.planned[name])
         limit = contact.limit + limits.node
-        yield at_most(f"path_{name}", spoken(name), gap, limit, contact.unit, f" at node {k}")
-    if not any(True for _ in event_contacts(scenario)):
+        yield at_most(f"path_{name}", spoken(name) + stop.label, gap, limit, contact.unit, f" at node {k}")
+    if not asked or not any(True for _ in event_contacts(stop)):
         return
-    required, what = scenario.kappa_init, "the longest contact that holds every condition"
+    required, what = stop.kappa_init, f"the longest contact{stop.label} that holds every condition"
     yield at_least("contact_steps", what, found.steps, required, "nodes")
     first, last = found.window or (0, -1)
-    hidden = limits.contact_claim * len(plan.progress) + ROUNDING
-    total = float(np.sum(plan.progress[first : last + 1]))
-    yield at_least("contact_progress", "the progress made in that contact", total, required, "1", hidden)
-    if scenario.contact_seconds is not None:
+    hidden = limits.contact_claim * len(plan.time) + ROUNDING
+    total = float(np.sum(found.progress[first : last + 1]))
+    made = f"the progress made in that contact{stop.label}"
+    yield at_least("contact_progress", made, total, required, "1", hidden)
+    if stop.contact_seconds is not None:
         seconds = float(plan.time[last] - plan.time[first]) if found.window else 0.0
-        yield at_least("contact_seconds", what, seconds, scenario.contact_seconds, "s", ROUNDING)
+        yield at_least("contact_seconds", what, seconds, stop.contact_seconds, "s", ROUNDING)
 
 
-def contact_flown(flight: Replay, found: Audit, scenario: Scenario, limits: Limits) -> Checks:
+def contact_flown(flight: Replay, found: Audit, limits: Limits) -> Checks:
     """Check the conditions on the replay: all through the window, or all the time."""
-    for name, contact in event_contacts(scenario):
+    stop = found.stop
+    for name, contact in event_contacts(stop):
         if found.window is not None:
             k = found.worst_replayed(name)
             gap = float(found.replayed[name][k])
-            what, limit = f"{spoken(name)} in contact", _allowed(name, contact.limit, limits)
+            what, limit = f"{spoken(name)} in contact{stop.label}", _allowed(name, contact.limit, limits)
             yield at_most(f"contact_{name}", what, gap, limit, contact.unit, _at(flight, k))
-    for name, contact in path_contacts(scenario):
+    for name, contact in path_contacts(stop):
         gap, (k,) = worst(found.replayed[name])
-        limit = _allowed(name, contact.limit, limits)
-        yield at_most(f"replay_path_{name}", spoken(name), gap, limit, contact.unit, _at(flight, k))
+        limit, what = _allowed(name, contact.limit, limits), spoken(name) + stop.label
+        yield at_most(f"replay_path_{name}", what, gap, limit, contact.unit, _at(flight, k))
 
 
 def outside(values: Array, box: Coordinates) -> Array:

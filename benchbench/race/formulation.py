@@ -9,7 +9,7 @@ import numpy as np
 from benchbench.case import Case
 from benchbench.certificate.race import passes
 from benchbench.dynamics import Grid, Phase, Trajectory
-from benchbench.formulation import Problem
+from benchbench.formulation import Problem, Windows
 from benchbench.mpcc import Mpcc
 from benchbench.plan import Plan
 from benchbench.race.gates import Place, at_nodes, by_progress, passed_at
@@ -43,14 +43,24 @@ def phases(race: Race, case: Case, start: Plan) -> Problem:
     grid = segments(race, race.nodes_per_gate, np.diff([0.0, *_times(race, start)]))
     base, trajectory = case.dynamics.transcribe(race, case.model, grid)
     held = at_nodes(race, _place(case), grid.ends, race.goals)
-    return Problem(base.start_from(trajectory.encode(start)) + Mpcc((), (held,)), trajectory, grid.ends)
+    return Problem(
+        base.start_from(trajectory.encode(start)) + Mpcc((), (held,)),
+        trajectory,
+        _at(grid.ends),
+        race.itinerary.stops,
+    )
 
 
 def held(race: Race, case: Case, start: Plan) -> Problem:
     """One step size, each gate at the node nearest to where the plan passes it; smooth."""
     base, trajectory = _flight(race, case, start)
     nodes = (*nearest_nodes(race, start, trajectory), race.intervals)
-    return Problem(base + Mpcc((), (at_nodes(race, _place(case), nodes, race.goals),)), trajectory, nodes)
+    return Problem(
+        base + Mpcc((), (at_nodes(race, _place(case), nodes, race.goals),)),
+        trajectory,
+        _at(nodes),
+        race.itinerary.stops,
+    )
 
 
 def free(race: Race, case: Case, start: Plan) -> Problem:
@@ -59,7 +69,7 @@ def free(race: Race, case: Case, start: Plan) -> Problem:
     end = at_nodes(race, _place(case), [race.intervals], race.goals[-1:])
     mpcc = base + Mpcc((), (end,)) + by_progress(race, _place(case), race.intervals)
     kappa = passed_at(race.intervals, nearest_nodes(race, start, trajectory))
-    return Problem(mpcc.start_from({"kappa": kappa}), trajectory, None)
+    return Problem(mpcc.start_from({"kappa": kappa}), trajectory, None, race.itinerary.stops)
 
 
 def nearest_nodes(race: Race, plan: Plan, trajectory: Trajectory) -> tuple[int, ...]:
@@ -82,6 +92,11 @@ def _flight(race: Race, case: Case, start: Plan) -> tuple[Mpcc, Trajectory]:
     grid = Grid((Phase("flight", race.intervals, *race.travel_time, start.travel_time),))
     base, trajectory = case.dynamics.transcribe(race, case.model, grid)
     return base.start_from(trajectory.encode(start)), trajectory
+
+
+def _at(nodes: Sequence[int]) -> Windows:
+    """Nodes at which the gates are passed, as the contact with a race's only target."""
+    return {"target": tuple(nodes)}
 
 
 def _place(case: Case) -> Place:

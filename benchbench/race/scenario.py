@@ -22,6 +22,9 @@ from benchbench.scenario import Ends, Finite, NonNegative, Positive, Scenario
 AXES = ("x", "y", "z")
 NOT_HERE = (
     "target",
+    "stops",
+    "order",
+    "visit",
     "contacts",
     "kappa_init",
     "contact_seconds",

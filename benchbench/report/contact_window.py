@@ -13,6 +13,14 @@ everywhere."""
 
 def contact_windows(plan: Plan) -> list[tuple[int, int]]:
     """First and last node of every stretch of consecutive nodes that the plan claims to be in contact."""
-    claimed = np.concatenate([[False], plan.progress > CLAIM, [False]])
-    edges = np.flatnonzero(np.diff(claimed.astype(int)))
-    return [(int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
+    return [(first, last) for _, first, last in stop_windows(plan)]
+
+
+def stop_windows(plan: Plan) -> list[tuple[int, int, int]]:
+    """Column in `plan.claims` of the stop, first and last node of every such stretch, in order of time."""
+    found = []
+    for stop, progress in enumerate(plan.claims.T):
+        claimed = np.concatenate([[False], progress > CLAIM, [False]])
+        edges = np.flatnonzero(np.diff(claimed.astype(int)))
+        found += [(stop, int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]
+    return sorted(found, key=lambda window: window[1:])

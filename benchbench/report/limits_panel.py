@@ -10,9 +10,10 @@ from benchbench.certificate.replay import Replay
 from benchbench.model import Coordinates, Model
 from benchbench.motion import sample
 from benchbench.plan import Array, Plan, bezier
-from benchbench.report.contact_window import contact_windows
+from benchbench.report.contact_window import stop_windows
 from benchbench.report.panel import Curve, Panel, Points
 from benchbench.scenario import Scenario
+from benchbench.stop import Stop
 
 GAPS = {"position": "Distance to target", "velocity": "Relative speed", "heading": "Heading error"}
 QUANTITIES = {
@@ -26,25 +27,31 @@ QUANTITIES = {
 
 
 def contact_panels(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -> list[Panel]:
-    """One panel per contact condition: its physical gap and limit."""
+    """One panel per contact condition: its physical gap to each stop's target, and its limit."""
+    stops = scenario.itinerary.stops
     panels = []
-    for name, contact in scenario.contacts.items():
-
-        def gap(times: Array, q: Array, v: Array) -> Points:
-            target = sample(scenario.target, times)
-            return times, contact.gap(model.plant(), q, v, *target)  # noqa: B023 (called in this iteration)
-
-        dots = gap(plan.time, plan.configuration, plan.velocity)
-        line = dots if replay is None else gap(replay.time, replay.configuration, replay.velocity)
-        curve = Curve(name, dots, line, -np.inf, contact.limit)
-        note = _worst_in_contact(plan, line)
-        panels.append(Panel(GAPS.get(name, f"Gap of {name}"), contact.unit, (curve,), True, note))
+    for name, unit in {name: c.unit for stop in stops for name, c in stop.contacts.items()}.items():
+        asked = [stop for stop in stops if name in stop.contacts]
+        curves = tuple(_gap_curve(stop, name, plan, model, replay) for stop in asked)
+        note = _worst_in_contact(plan, asked[0], curves[0].line)
+        panels.append(Panel(GAPS.get(name, f"Gap of {name}"), unit, curves, True, note))
     return panels
 
 
-def _worst_in_contact(plan: Plan, gap: Points) -> str:
+def _gap_curve(stop: Stop, name: str, plan: Plan, model: Model, replay: Replay | None) -> Curve:
+    contact, plant = stop.contacts[name], model.plant()
+
+    def gap(times: Array, q: Array, v: Array) -> Points:
+        return times, contact.gap(plant, q, v, *sample(stop.target, times))
+
+    dots = gap(plan.time, plan.configuration, plan.velocity)
+    line = dots if replay is None else gap(replay.time, replay.configuration, replay.velocity)
+    return Curve(stop.name if stop.prefix else name, dots, line, -np.inf, contact.limit)
+
+
+def _worst_in_contact(plan: Plan, stop: Stop, gap: Points) -> str:
     times, values = gap
-    windows = contact_windows(plan)
+    windows = [(a, b) for i, a, b in stop_windows(plan) if plan.stop_names[i] == stop.name]
     inside = [values[(times >= plan.time[a]) & (times <= plan.time[b])] for a, b in windows]
     return f"in contact up to {np.max(np.concatenate(inside), initial=0.0):.3g}" if windows else "no contact"
 

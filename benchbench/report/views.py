@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from benchbench.certificate.replay import Replay
 from benchbench.model import Model
 from benchbench.motion import sample
 from benchbench.plan import Array, Plan
-from benchbench.report.contact_window import contact_windows
+from benchbench.report.contact_window import contact_windows, stop_windows
 from benchbench.report.style import ARM, CONTACT, FRAME, INK, TARGET, TOOL
 from benchbench.scenario import Scenario
 
@@ -31,24 +32,25 @@ LABEL_M = 0.17
 class Scene:
     """A plan with what the views need.
 
-    End effector and target at the nodes, each (N + 1, 3) m, and the end effector on the replay (m, 3) m.
+    End effector and the target of each stop at the nodes, each (N + 1, 3) m, and the end effector on the replay
+    (m, 3) m.
     """
 
     plan: Plan
     model: Model
     tool: Array
-    target: Array
+    targets: Mapping[str, Array]
     flown: Array | None
 
     @property
     def sideways(self) -> bool:
         """Whether anything moves in y."""
-        return bool(max(np.ptp(self.tool[:, 1]), np.ptp(self.target[:, 1])) > FLAT_M)
+        return bool(np.ptp(np.concatenate([self.tool, *self.targets.values()])[:, 1]) > FLAT_M)
 
     @property
     def extent(self) -> Array:
         """Size (3,) m of all that is drawn, with room for labels."""
-        drawn = [self.tool, self.target]
+        drawn = [self.tool, *self.targets.values()]
         drawn += [line for k in self.pose_nodes for line in skeleton(self, k).values()]
         return np.asarray(np.ptp(np.concatenate(drawn), axis=0) * (1.06, 1.15, 1.35) + 1e-3)
 
@@ -72,14 +74,16 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
     plant = model.plant()
     tool, _ = plant.tool(plan.configuration, plan.velocity)
     flown = None if replay is None else plant.tool(replay.configuration, replay.velocity)[0]
-    return Scene(plan, model, tool, sample(scenario.target, plan.time)[0], flown)
+    targets = {stop.name: sample(stop.target, plan.time)[0] for stop in scenario.itinerary.stops}
+    return Scene(plan, model, tool, targets, flown)
 
 
 def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> None:
     """Draw one projection; `plane` are the two world axes, 0 for x, 1 for y, 2 for z."""
     h, v = plane
     axes.set_title(title)
-    axes.plot(scene.target[:, h], scene.target[:, v], color=TARGET, linewidth=1.4, zorder=2)
+    for target in scene.targets.values():
+        axes.plot(target[:, h], target[:, v], color=TARGET, linewidth=1.4, zorder=2)
     axes.plot(scene.tool[:, h], scene.tool[:, v], color=TOOL, linewidth=1.8, zorder=2)
     if scene.flown is not None:
         # An artist, unlike a plot, leaves the axis limits alone: a replay that runs away must not set the scale.
@@ -98,7 +102,11 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> N
 def label_times(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
     """Write the time at start, contact and end above all poses drawn there."""
     h, v = plane
-    first_contacts = [first for first, _ in contact_windows(scene.plan)]
+    names = scene.plan.stop_names
+    first_contacts = {
+        first: names[stop].replace("_", " ") if len(names) > 1 else "contact"
+        for stop, first, _ in stop_windows(scene.plan)
+    }
     ends = [0, scene.plan.intervals]
     nodes = [*ends, *scene.pose_nodes, *scene.contact_nodes]
     drawn = np.concatenate([line for k in nodes for line in skeleton(scene, k).values()])
@@ -107,7 +115,7 @@ def label_times(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
         below = drawn[np.abs(drawn[:, h] - place) < LABEL_M]
         contact = node in first_contacts
         axes.annotate(
-            f"{'contact ' if contact else ''}{scene.plan.time[node]:.2f} s",
+            f"{first_contacts.get(node, '')} {scene.plan.time[node]:.2f} s".strip(),
             (place, below[:, v].max()),
             xytext=(0, 6), textcoords="offset points", ha="center", va="bottom",
             fontsize=9, fontweight="bold" if contact else "normal", color=INK, zorder=8,
@@ -143,10 +151,25 @@ def _draw_pose(axes: Axes, scene: Scene, node: int, plane: tuple[int, int], stro
 
 
 def _draw_target(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
-    """Small squares where the target is when a pose is drawn, large ones at contact."""
-    for nodes, size, alpha in ((scene.pose_nodes, 4.0, 0.5), (scene.contact_nodes, 9.0, 1.0)):
-        h, v = (scene.target[nodes, axis] for axis in plane)
-        axes.plot(h, v, "s", color=TARGET, markersize=size, alpha=alpha, markeredgewidth=0, zorder=5)
-    if scene.contact_nodes:
-        h, v = (scene.target[scene.contact_nodes, axis].mean() for axis in plane)
+    """Small squares where the targets are when a pose is drawn, large ones at contact."""
+    for target in scene.targets.values():
+        _squares(axes, target[scene.pose_nodes], plane, 4.0, 0.5)
+    for stop, first, last in stop_windows(scene.plan):
+        touched = scene.targets[scene.plan.stop_names[stop]][first : last + 1]
+        _squares(axes, touched, plane, 9.0, 1.0)
+        h, v = (touched[:, axis].mean() for axis in plane)
         axes.plot(h, v, "o", color=CONTACT, markersize=30, alpha=0.3, markeredgewidth=0, zorder=1)
+
+
+def _squares(axes: Axes, points: Array, plane: tuple[int, int], size: float, alpha: float) -> None:
+    h, v = plane
+    axes.plot(
+        points[:, h],
+        points[:, v],
+        "s",
+        color=TARGET,
+        markersize=size,
+        alpha=alpha,
+        markeredgewidth=0,
+        zorder=5,
+    )

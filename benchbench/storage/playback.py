@@ -79,9 +79,14 @@ def _plan(tables: dict[str, _Table]) -> Plan:
     q, v, u, progress = (tables[topic] for topic in TOPICS[:4])
     interpolation: Interpolation = {len(q.time) - 1: "hold", len(q.time): "linear"}.get(len(u.time), "bezier")  # type: ignore[assignment]
     return Plan(
-        q.time, q.values, v.values, u.values, progress.values[:, 0], interpolation,
-        q.names, q.units, u.names, u.units, v.names, v.units,
+        q.time, q.values, v.values, u.values, progress.values, interpolation,
+        q.names, q.units, u.names, u.units, v.names, v.units, _stops(progress.names),
     )  # fmt: skip
+
+
+def _stops(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of the stops whose progress indices these are."""
+    return tuple(name.removeprefix("epsilon_") if name != "epsilon" else "target" for name in names)
 
 
 def _flight(tables: dict[str, _Table], plan: Plan) -> Replay | None:

@@ -93,15 +93,18 @@ def _write(
 def plan_series(plan: Plan, scenario: Scenario, model: Model) -> Iterator[Series]:
     """The numbers of a plan, one row per node (for inputs per interval or control point)."""
     tool, _ = model.plant().tool(plan.configuration, plan.velocity)
-    target, _ = sample(scenario.target, plan.time)
     yield Series(
         "/plan/configuration", plan.time, plan.coordinate_names, plan.coordinate_units, plan.configuration
     )
     yield Series("/plan/velocity", plan.time, plan.velocity_names, plan.velocity_units, plan.velocity)
     yield Series("/plan/inputs", plan.input_times, plan.input_names, plan.input_units, plan.inputs)
-    yield Series("/plan/progress", plan.time, ["epsilon"], ["1"], plan.progress[:, None])
+    stops = scenario.itinerary.stops
+    names = [stop.named("epsilon") for stop in stops]
+    yield Series("/plan/progress", plan.time, names, ["1"] * len(names), plan.claims)
     yield Series("/plan/end_effector", plan.time, XYZ, METRES, tool)
-    yield Series("/plan/target", plan.time, XYZ, METRES, target)
+    for stop in stops:
+        target, _ = sample(stop.target, plan.time)
+        yield Series(f"/plan/{stop.named('target')}", plan.time, XYZ, METRES, target)
 
 
 def replay_series(replay: Replay | None, plan: Plan, model: Model) -> Iterator[Series]:

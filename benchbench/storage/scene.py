@@ -69,7 +69,10 @@ def _paths(plan: Plan, scenario: Scenario, model: Model) -> Paths:
     return {
         "vehicle": vehicle_pose(plan.coordinate_names, plan.configuration),
         "end_effector": (model.plant().tool(plan.configuration, plan.velocity)[0], upright),
-        "target": (sample(scenario.target, plan.time)[0], upright),
+        **{
+            stop.named("target"): (sample(stop.target, plan.time)[0], upright)
+            for stop in scenario.itinerary.stops
+        },
     }
 
 
@@ -87,8 +90,8 @@ def _transforms(paths: Paths, k: int, log_time: int) -> list[FrameTransform]:
 
 
 def _path_lines(paths: Paths) -> SceneEntity:
-    colors = {"vehicle": BLUE, "end_effector": PINK, "target": OLIVE}
-    lines = [_line(position, colors[name]) for name, (position, _) in paths.items()]
+    colors = {"vehicle": BLUE, "end_effector": PINK}
+    lines = [_line(position, colors.get(name, OLIVE)) for name, (position, _) in paths.items()]
     return SceneEntity(timestamp=_stamp(0), frame_id=WORLD, id="paths", lines=lines)
 
 
@@ -98,13 +101,14 @@ def _body(skeleton: Mapping[str, Array], log_time: int) -> SceneEntity:
 
 
 def _points(paths: Paths, k: int, log_time: int) -> SceneEntity:
-    tool, target = (_pose(*(part[k] for part in paths[name])) for name in ("end_effector", "target"))
+    poses = {name: _pose(*(part[k] for part in path)) for name, path in paths.items()}
+    targets = [pose for name, pose in poses.items() if name.startswith("target")]
     return SceneEntity(
         timestamp=_stamp(log_time),
         frame_id=WORLD,
         id="contact",
-        spheres=[SpherePrimitive(pose=tool, size=_vector([SPHERE_M] * 3), color=PINK)],
-        cubes=[CubePrimitive(pose=target, size=_vector([CUBE_M] * 3), color=OLIVE)],
+        spheres=[SpherePrimitive(pose=poses["end_effector"], size=_vector([SPHERE_M] * 3), color=PINK)],
+        cubes=[CubePrimitive(pose=pose, size=_vector([CUBE_M] * 3), color=OLIVE) for pose in targets],
     )
 
 

@@ -37,7 +37,7 @@ class Paper(Relaxation):
         if limit is None:
             return Relaxed(g * h, (-np.inf,), (self.limit_product,))
         gap = limit * ca.sqrt(ca.fmax(h + 1, 0) + self.smoothing**2)
-        if name != "position":
+        if not name.endswith("position"):  # several stops put their names in front
             return Relaxed(g * gap, (-np.inf,), (limit,))
         nu = ca.SX.sym("nu")
         return Relaxed(g * (gap - nu), (0.0,), (0.0,), unknowns=(Unknown(nu, 0.0, limit, ca.SX(limit)),))

@@ -22,11 +22,11 @@ LENGTH = 1.3
 def view(scene: Scene) -> go.Figure:
     """Return the 3D view: paths, and the vehicle, end effector and target at the time of the slider.
 
-    Frames are named by their time in s; the last four traces move.
+    Frames are named by their time in s; the traces after the paths move.
     """
     nodes = frame_nodes(scene)
     still = _paths(scene)
-    moving = list(range(len(still), len(still) + 4))
+    moving = list(range(len(still), len(still) + len(_moving(scene, nodes[0]))))
     frames = [go.Frame(name=_name(scene, k), data=_moving(scene, k), traces=moving) for k in nodes]
     made = go.Figure([*still, *_moving(scene, nodes[0])], frames=frames)
     made.update_layout(
@@ -49,11 +49,12 @@ def _name(scene: Scene, node: int) -> str:
 
 
 def _paths(scene: Scene) -> list[go.Scatter3d]:
-    lines = [("target path", scene.target, TARGET, 3), ("end effector, planned", scene.tool, TOOL, 4)]
+    lines = [(f"path of {name}", target, TARGET, 3) for name, target in scene.targets.items()]
+    lines.append(("end effector, planned", scene.tool, TOOL, 4))
     if scene.flown is not None:
         lines.append(("end effector, replayed", _inside(scene, scene.flown), INK, 2))
     return [
-        _line(points, color, width, name=name, hoverinfo="skip", showlegend=i > 0)
+        _line(points, color, width, name=name, hoverinfo="skip", showlegend=i >= len(scene.targets))
         for i, (name, points, color, width) in enumerate(lines)
     ]
 
@@ -66,7 +67,7 @@ def _moving(scene: Scene, node: int) -> list[go.Scatter3d]:
         _line(_joined(frame), FRAME, 7, name="vehicle", hoverinfo="skip"),
         _line(_joined(arm), ARM, 7, name="arm", hoverinfo="skip"),
         _dot(scene.tool[node], TOOL, "circle", "end effector"),
-        _dot(scene.target[node], TARGET, "square", "target"),
+        *(_dot(target[node], TARGET, "square", name) for name, target in scene.targets.items()),
     ]
 
 
@@ -96,7 +97,8 @@ def _inside(scene: Scene, path: Array) -> Array:
 
 
 def _box(scene: Scene) -> tuple[Array, Array]:
-    drawn = [scene.tool, scene.target, *(p for k in frame_nodes(scene) for p in skeleton(scene, k).values())]
+    drawn = [scene.tool, *scene.targets.values()]
+    drawn += [*(p for k in frame_nodes(scene) for p in skeleton(scene, k).values())]
     points = np.concatenate(drawn)
     return np.nanmin(points, axis=0) - MARGIN_M, np.nanmax(points, axis=0) + MARGIN_M
 
