@@ -18,7 +18,7 @@ from benchbench.race.scenario import Race
 from benchbench.solver import Claim
 from benchbench.storage import provenance
 from benchbench.storage.schema import Status, make_record
-from benchbench.strategy import Result
+from benchbench.strategy import Outside, Result
 from benchbench.validate import validate
 
 STATUS: dict[Claim, Status] = {
@@ -34,7 +34,7 @@ class Run:
     """What one run found: the plan and its claimed solution, the judgement, the row of the table."""
 
     case: Case
-    result: Result
+    result: Result | Outside
     certificate: Certificate
     record: dict[str, Any]
 
@@ -56,7 +56,7 @@ def run(
     if watch:
         watch.stage("certificate", None)
     judged = time.process_time()
-    found = residuals(result.problem.mpcc, result.solved.x)
+    found = residuals(result.problem.mpcc, result.solved.x) if isinstance(result, Result) else None
     certificate = certify(result.plan, case.scenario, case.model, case.limits, found)
     bound = lower_bound(case.scenario, case.model, case.model.plant())
     costs = {"certificate_cpu_s": time.process_time() - judged, "wall_s": time.perf_counter() - began}
@@ -112,32 +112,49 @@ def _spread(timed: Sequence[Ledger]) -> dict[str, Any]:
 
 
 def _record(
-    case: Case, result: Result, certificate: Certificate, ledger: Ledger, more: Mapping[str, Any]
+    case: Case, result: Result | Outside, certificate: Certificate, ledger: Ledger, more: Mapping[str, Any]
 ) -> dict[str, Any]:
-    outcome, mpcc = result.solved.outcome, result.problem.mpcc
-    status = Status.CERTIFIED if certificate.certified else STATUS.get(outcome.claim, Status.ERROR)
+    outcome = result.solved.outcome if isinstance(result, Result) else None
+    claim = outcome.claim if outcome else "solved"
+    status = Status.CERTIFIED if certificate.certified else STATUS.get(claim, Status.ERROR)
     judged = certificate.record()
-    if status not in (Status.CERTIFIED, Status.UNCERTIFIED) and outcome.detail:
+    if outcome and outcome.detail and status not in (Status.CERTIFIED, Status.UNCERTIFIED):
         judged["reasons"] = (f"the solver says {outcome.detail}", *certificate.reasons)
+    if isinstance(result, Outside):
+        judged["advice"] = ""  # it is about our own choices
     return make_record(
         status=status,
-        claimed_success=outcome.claim == "solved",
+        claimed_success=claim == "solved",
         **judged,
-        **{family: name for family, name in case.names.items() if family != "certificate"},
+        **(_posed(case, result) if isinstance(result, Result) else _outside(case, result)),
         intervals=result.plan.intervals,
         kappa_init=None if isinstance(case.scenario, Race) else case.scenario.kappa_init,
         seed=case.seed,
         travel_time_s=result.plan.travel_time,
-        objective=outcome.objective,
         iterations=ledger.iterations,
         evaluations=ledger.evaluations,
         build_cpu_s=ledger.build_cpu,
         solve_cpu_s=ledger.solve_cpu,
-        n_variables=mpcc.size,
-        n_constraints=sum(b.lower.size for b in mpcc.constraints),
-        n_pairs=sum(p.count for p in mpcc.pairs),
-        mpcc_hash=mpcc.digest,
         peak_memory_mb=provenance.peak_memory_mb(),
-        solver_version=case.solver.version(),
         **more,
     )
+
+
+def _posed(case: Case, result: Result) -> dict[str, Any]:
+    """What a record says of the problem and of who solved it."""
+    mpcc = result.problem.mpcc
+    return {
+        **{family: name for family, name in case.names.items() if family != "certificate"},
+        "objective": result.solved.outcome.objective,
+        "n_variables": mpcc.size,
+        "n_constraints": sum(b.lower.size for b in mpcc.constraints),
+        "n_pairs": sum(p.count for p in mpcc.pairs),
+        "mpcc_hash": mpcc.digest,
+        "solver_version": case.solver.version(),
+    }
+
+
+def _outside(case: Case, result: Outside) -> dict[str, Any]:
+    """The same of a plan from elsewhere: its planner stands for the solver, our other choices played no part."""
+    ours = {family: case.names[family] for family in ("scenario", "vehicle", "strategy")}
+    return {**ours, "solver": result.planner}

@@ -20,11 +20,19 @@ class Result:
     plan: Plan
 
 
+@dataclass(frozen=True)
+class Outside:
+    """A plan that was made elsewhere, by `planner`: none of our problems was posed, none can be checked."""
+
+    plan: Plan
+    planner: str
+
+
 class Strategy(ABC):
     """Turns a case into a plan."""
 
     @abstractmethod
-    def solve(self, case: Case, ledger: Ledger) -> Result:
+    def solve(self, case: Case, ledger: Ledger) -> Result | Outside:
         """Return the best plan found; never judges it."""
 
 

@@ -94,7 +94,9 @@ def complain(kind: str, text: str, trace: str = "") -> None:
 
 def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     choices = " / ".join(
-        str(r[k]) for k in ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
+        str(r[k])
+        for k in ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
+        if r[k] is not None
     )
     lines: list[tuple[str, Text | str]] = [
         (str(r["scenario"]), f"{choices}\n{_size(r)}"),

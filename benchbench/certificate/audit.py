@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,6 +77,21 @@ def _audit(plan: Plan, flight: Replay, stop: Stop, plant: Plant, limits: Limits)
     if window is not None:
         dense[flight.nodes[window[0]] : flight.nodes[window[1]] + 1] = True
     return Audit(stop, planned, replayed, progress, claims, window, dense)
+
+
+def claimed(plan: Plan, itinerary: Itinerary, plant: Plant, limits: Limits) -> Plan:
+    """Return a plan that claims no contact with a claim, at each stop, to the longest run of nodes that hold everything."""
+    if plan.progress.any() or not any(True for stop in itinerary.stops for _ in event_contacts(stop)):
+        return plan
+    claims = np.zeros((len(plan.time), len(itinerary.stops)))
+    for column, stop in zip(claims.T, itinerary.stops, strict=True):
+        gaps = _gaps(stop, plant, plan.time, plan.configuration, plan.velocity)
+        holds = np.ones(len(plan.time), bool)
+        for name, contact in event_contacts(stop):
+            holds &= gaps[name] <= contact.limit + limits.node
+        if window := longest_run(holds):
+            column[window[0] : window[1] + 1] = 1.0
+    return replace(plan, progress=claims, stop_names=tuple(stop.name for stop in itinerary.stops))
 
 
 def event_contacts(stop: Stop) -> Iterator[tuple[str, Contact]]:

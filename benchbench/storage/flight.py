@@ -19,6 +19,8 @@ POSITION, QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 ANGLES, RATES = ("roll", "pitch", "yaw"), ("wx", "wy", "wz")
 MOTORS = ("motor_1", "motor_2", "motor_3", "motor_4")
 ARM, SERVO = "arm", "servo"
+STEEP = 1 - 1e-9
+"""Sine of a pitch at which Euler angles have no rates: 90 degrees but 3e-3."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,7 @@ class Flight:
     body_rates   (n, 3) rad/s, about the body axes
     thrusts      (n, 4) N; where the plan holds inputs, row k acts until the next and the last row repeats
     arm          (n, 3) rad, rad/s, N m: angle, rate, servo torque; None for a vehicle without arm
+    progress     (n,) progress index of the plan, by which it claims contact; None where it claims none, or at several stops
     """
 
     time: Array
@@ -41,6 +44,7 @@ class Flight:
     body_rates: Array
     thrusts: Array
     arm: Array | None = None
+    progress: Array | None = None
 
 
 def flight_of(plan: Plan) -> Flight:
@@ -57,23 +61,24 @@ def flight_of(plan: Plan) -> Flight:
         raise BadInput("plan", f"has no {', '.join(missing)}", "a plan of a vehicle with four motors")
     position, turn = vehicle_pose(plan.coordinate_names, plan.configuration)
     scalar_first = turn[:, [3, 0, 1, 2]]
-    same = np.sum(scalar_first[1:] * scalar_first[:-1], axis=1) >= 0
-    scalar_first[1:] *= np.cumprod(np.where(same, 1.0, -1.0))[:, None]
     speeds = ("vx", "vy", "vz") if "vx" in v else POSITION
     rates = _columns(v, RATES) if "wx" in v else body_rates(_columns(q, ANGLES), _columns(v, ANGLES))
     arm = np.stack([q[ARM], v[ARM], u[SERVO]], axis=-1) if ARM in q and SERVO in u else None
+    progress = plan.progress if plan.progress.ndim == 1 and plan.progress.any() else None
     return Flight(
-        plan.time, position, scalar_first, _columns(v, speeds), rates, _columns(u, MOTORS), arm
+        plan.time, position, continuous(scalar_first), _columns(v, speeds), rates, _columns(u, MOTORS), arm, progress
     )  # fmt: skip
 
 
 def plan_of(flight: Flight, model: Model, interpolation: Interpolation) -> Plan:
     """Return the flight as a plan of a model; "hold" leaves out the last row of inputs, "linear" keeps it.
 
-    No node claims contact. Raises BadInput for a model with coordinates or inputs that a flight does not know.
+    Raises BadInput for a model with coordinates or inputs that a flight does not know, or with Euler angles for an
+    attitude that they cannot describe.
     """
-    angles = Rotation.from_quat(flight.quaternion, scalar_first=True).as_euler("ZYX")[:, ::-1]
-    angles = np.unwrap(angles, axis=0)
+    angles = np.zeros((len(flight.time), 3))
+    if ANGLES[0] in model.configuration.names:
+        angles = _angles(flight)
     arm = np.zeros((len(flight.time), 3)) if flight.arm is None else flight.arm
     q = dict(zip((*POSITION, *QUATERNION), np.hstack([flight.position, flight.quaternion]).T, strict=True))
     q |= dict(zip((*ANGLES, ARM), [*angles.T, arm[:, 0]], strict=True))
@@ -87,11 +92,18 @@ def plan_of(flight: Flight, model: Model, interpolation: Interpolation) -> Plan:
     if unknown or (flight.arm is None and ARM in c.names):
         raise BadInput("vehicle", f"'{model.name}' has {', '.join(unknown) or ARM}, which the flight has not")
     inputs = _columns(u, i.names)
+    progress = np.zeros(len(flight.time)) if flight.progress is None else flight.progress
     return Plan(
         flight.time - flight.time[0], _columns(q, c.names), _columns(v, w.names),
-        inputs[:-1] if interpolation == "hold" else inputs, np.zeros(len(flight.time)), interpolation,
+        inputs[:-1] if interpolation == "hold" else inputs, progress, interpolation,
         c.names, c.units, i.names, i.units, w.names, w.units,
     )  # fmt: skip
+
+
+def continuous(quaternion: Array) -> Array:
+    """Give quaternions (n, 4) the signs with which none jumps from one to the next; the first w is not below 0."""
+    same = np.sum(quaternion[1:] * quaternion[:-1], axis=1) >= 0
+    return np.asarray(quaternion * np.cumprod(np.where([quaternion[0, 0] >= 0, *same], 1.0, -1.0))[:, None])
 
 
 def vehicle_pose(names: tuple[str, ...], q: Array) -> tuple[Array, Array]:
@@ -125,6 +137,16 @@ def body_rates(angles: Array, rates: Array) -> Array:
 def euler_rates(angles: Array, omega: Array) -> Array:
     """Rates (n, 3) of roll, pitch, yaw from body rates (n, 3); the inverse of `body_rates`."""
     return np.asarray(np.linalg.solve(_euler_rate_matrices(angles), omega[..., None])[..., 0])
+
+
+def _angles(flight: Flight) -> Array:
+    """Roll, pitch, yaw (n, 3) without jumps of a turn."""
+    w, x, y, z = flight.quaternion.T
+    if (steep := np.abs(2 * (w * y - x * z)) > STEEP).any():
+        when = f"the attitude at t={flight.time[int(np.argmax(steep))]:.6g} s has a pitch of 90 degrees"
+        raise BadInput("plan", when, "pitch that Euler angles can describe, or a vehicle in quaternions")
+    angles = Rotation.from_quat(flight.quaternion, scalar_first=True).as_euler("ZYX")[:, ::-1]
+    return np.asarray(np.unwrap(angles, axis=0))
 
 
 def _euler_rate_matrices(angles: Array) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 
 from benchbench.errors import BadInput
 from benchbench.plan import Array
-from benchbench.storage.flight import Flight
+from benchbench.storage.flight import Flight, continuous
 
 QUATERNION_ERROR = 1e-3
 """How far from 1 the length of a quaternion in a file may be, which writes perhaps four digits."""
@@ -39,8 +39,9 @@ GROUPS = (
     Group("body_rates", ("w_x", "w_y", "w_z"), "rad/s", "angular velocity about the body axes"),
     Group("thrusts", ("u_1", "u_2", "u_3", "u_4"), "N", "thrust of each motor, numbered as the vehicle's inputs"),
     Group("arm", ("arm", "arm_rate", "servo"), "rad, rad/s, N m", "arm angle, its rate and the servo torque, for a vehicle with an arm"),
+    Group("progress", ("progress",), "1", "progress index by which the plan claims contact; may be left out"),
 )  # fmt: skip
-NEEDED = tuple(name for group in GROUPS for name in group.names if group.field != "arm")
+NEEDED = tuple(name for group in GROUPS for name in group.names if group.field not in ("arm", "progress"))
 
 
 def to_csv(flight: Flight) -> str:
@@ -65,7 +66,7 @@ def read_csv(path: Path) -> Flight:
         for group in GROUPS
         if all(name in columns for name in group.names)
     }
-    parts["time"] = parts["time"][:, 0]
+    parts |= {name: parts[name][:, 0] for name in ("time", "progress") if name in parts}
     if not np.all(np.diff(parts["time"]) > 0):
         row = int(np.argmin(np.diff(parts["time"]))) + 3
         raise BadInput(f"{path}, line {row}: t", "is not later than the line before", "increasing times")
@@ -73,7 +74,7 @@ def read_csv(path: Path) -> Flight:
     if np.max(np.abs(length - 1.0)) > QUATERNION_ERROR:
         row = int(np.argmax(np.abs(length - 1.0))) + 2
         raise BadInput(f"{path}, line {row}: q_w ... q_z", "has not the length 1", "a unit quaternion")
-    parts["quaternion"] = parts["quaternion"] / length[:, None]
+    parts["quaternion"] = continuous(parts["quaternion"] / length[:, None])
     return Flight(**parts)
 
 
