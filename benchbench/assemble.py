@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
@@ -15,10 +15,12 @@ from benchbench.plan import Array
 
 @dataclass(frozen=True)
 class Program:
-    """A smooth program min f(x, sigma) s.t. lower_x <= x <= upper_x, lower_g <= g(x, sigma) <= upper_g.
+    """A smooth program min f(x, p) s.t. lower_x <= x <= upper_x, lower_g <= g(x, p) <= upper_g.
 
-    objective (x, p) -> f; constraints (x, p) -> g; gradient (x, p) -> (f, dense df/dx);
-    jacobian (x, p) -> (g, sparse dg/dx); hessian (x, p, lam_f, lam_g) -> upper triangle. p is sigma.
+    gradient (x, p) -> (f, dense df/dx); jacobian (x, p) -> (g, sparse dg/dx);
+    hessian (x, p, lam_f, lam_g) -> upper triangle.
+    p (1 + n_p,) is sigma, then the parameters of the `adjustable` blocks (see `numbers`): targets can move
+    without a new program.
     """
 
     x: ca.MX
@@ -34,23 +36,45 @@ class Program:
     upper_g: Array
     guess: Array
     compiled: bool
+    adjustable: frozenset[str] = frozenset()
+
+    def moved(self, mpcc: Mpcc) -> Program:
+        """The same program with the bounds and guesses of another MPCC of the same structure."""
+        lower_g, upper_g = _row_bounds(mpcc)
+        return replace(
+            self, lower_x=mpcc.lower, upper_x=mpcc.upper, lower_g=lower_g, upper_g=upper_g, guess=mpcc.guess
+        )
+
+    def numbers(self, mpcc: Mpcc, sigma: float) -> Array:
+        """Return p (1 + n_p,) for an MPCC of the same structure."""
+        return np.concatenate([[sigma], *(b.parameters.ravel() for b in _open(mpcc, self.adjustable))])
 
 
-def assemble(mpcc: Mpcc, compile: Compile = "auto") -> Program:
-    """Stack the variables, costs and constraints of an MPCC without pairs (a relaxed one)."""
+def assemble(mpcc: Mpcc, compile: Compile = "auto", adjustable: Collection[str] = ()) -> Program:
+    """Stack the variables, costs and constraints of an MPCC without pairs (a relaxed one).
+
+    The parameters of blocks named in `adjustable` become parameters of the program; all others are constants.
+    """
     if mpcc.pairs:
         raise ValueError("pairs must be relaxed before assembly")
-    blocks = [b for b in (*mpcc.costs, *mpcc.constraints) if b.instances]
+    blocks = _blocks(mpcc)
     costs = sum(1 for b in mpcc.costs if b.instances)
     local = derivatives([b.function for b in blocks], compile)
-    x, p = ca.MX.sym("x", mpcc.size), ca.MX.sym("sigma")
+    free = _open(mpcc, adjustable)
+    x, p = ca.MX.sym("x", mpcc.size), ca.MX.sym("p", 1 + sum(b.parameters.size for b in free))
+    sigma, *open_numbers = ca.vertsplit(p, np.cumsum([0, 1, *(b.parameters.size for b in free)]).tolist())
+    given = iter(open_numbers)
+    numbers = [
+        ca.reshape(next(given), *b.parameters.T.shape) if b.name in adjustable else ca.DM(b.parameters.T)
+        for b in blocks
+    ]
     lam_f = ca.MX.sym("lam_f")
     sizes = [b.instances * b.function.size1_out(0) for b in blocks[costs:]]
     lam_g = ca.MX.sym("lam_g", sum(sizes))
     firsts = [0] * costs + [int(s) for s in np.cumsum([0, *sizes])]
     parts = [
-        _Part(block, d, gather(block, mpcc.offsets), first, x, p)
-        for block, d, first in zip(blocks, local, firsts, strict=False)
+        _Part(block, d, gather(block, mpcc.offsets), first, x, own, sigma)
+        for block, d, first, own in zip(blocks, local, firsts, numbers, strict=False)
     ]
     f = sum((ca.sum1(part.values()) for part in parts[:costs]), ca.MX(0))
     g = ca.vertcat(ca.MX(0, 1), *(part.values() for part in parts[costs:]))
@@ -65,11 +89,23 @@ def assemble(mpcc: Mpcc, compile: Compile = "auto") -> Program:
         ca.Function("nlp_jac_g", [x, p], [g, jacobian], ["x", "p"], ["g", "jac_g_x"]),
         ca.Function("nlp_hess_l", [x, p, lam_f, lam_g], [hessian], ["x", "p", "lam_f", "lam_g"],
                     ["triu_hess_gamma_x_x"]),
-        mpcc.lower, mpcc.upper,
-        np.concatenate([np.zeros(0), *(b.lower.ravel() for b in blocks[costs:])]),
-        np.concatenate([np.zeros(0), *(b.upper.ravel() for b in blocks[costs:])]),
-        mpcc.guess, all(d.compiled for d in local),
+        mpcc.lower, mpcc.upper, *_row_bounds(mpcc), mpcc.guess, all(d.compiled for d in local),
+        frozenset(adjustable),
     )  # fmt: skip
+
+
+def _blocks(mpcc: Mpcc) -> list[Block]:
+    return [b for b in (*mpcc.costs, *mpcc.constraints) if b.instances]
+
+
+def _open(mpcc: Mpcc, adjustable: Collection[str]) -> list[Block]:
+    return [b for b in _blocks(mpcc) if b.name in adjustable]
+
+
+def _row_bounds(mpcc: Mpcc) -> tuple[Array, Array]:
+    rows = [b for b in mpcc.constraints if b.instances]
+    lower, upper = ([getattr(b, k).ravel() for b in rows] for k in ("lower", "upper"))
+    return np.concatenate([np.zeros(0), *lower]), np.concatenate([np.zeros(0), *upper])
 
 
 @dataclass(frozen=True)
@@ -91,7 +127,8 @@ class _Part:
     index: Index
     first_row: int
     x: ca.MX
-    p: ca.MX
+    numbers: ca.MX | ca.DM
+    sigma: ca.MX
 
     def values(self) -> ca.MX:
         """All outputs, instance by instance."""
@@ -131,7 +168,7 @@ class _Part:
         n = self.block.instances
         z = ca.reshape(self.x[self.index.ravel().tolist()], self.index.shape[1], n)
         mapped = function.map(f"{function.name()}_{n}", "serial", n, [2], [])
-        return mapped(z, ca.DM(self.block.parameters.T), self.p, *more)
+        return mapped(z, self.numbers, self.sigma, *more)
 
 
 def _scatter(entries: Sequence[_Entries], shape: tuple[int, int]) -> ca.MX:

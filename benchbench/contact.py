@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import casadi as ca
 import numpy as np
@@ -153,6 +153,13 @@ class Coupling:
             )  # fmt: skip
             found.append((name, condition, block))
         return found
+
+
+def retargeted(block: Block, motion: Motion) -> Block:
+    """A block of a contact with other numbers of the target's motion, which are its last parameters."""
+    numbers = block.parameters.copy()
+    numbers[:, numbers.shape[1] - len(motion.parameters) :] = motion.parameters
+    return replace(block, parameters=numbers)
 
 
 def progress_index(kappa: Array) -> Array:

@@ -62,7 +62,8 @@ class StopFields(BaseModel):
 class Scenario(BaseModel):
     """Fly from `start` to `end` in least time and touch the moving target on the way, or several of them.
 
-    start, end         coordinates by name (m, rad); what is not named is 0; both at rest
+    start, end         coordinates by name (m, rad); what is not named is 0
+    start_velocity     velocities at the start by coordinate name (m/s, rad/s); what is not named is 0; the end is at rest
     target             motion of the target, where there is one
     stops              where there are several: stops by name, each with its target
     order              fixed: stops are made as they are listed; free: in any order
@@ -89,6 +90,7 @@ class Scenario(BaseModel):
     name: str
     start: dict[str, Finite]
     end: dict[str, Finite]
+    start_velocity: dict[str, Finite] = Field(default_factory=dict)
     target: InstanceOf[Motion] | None = None
     stops: dict[str, StopFields] = Field(default_factory=dict)
     order: Order = "fixed"
@@ -137,6 +139,13 @@ class Scenario(BaseModel):
     def start_point(self, model: Model) -> Array:
         """Return the start configuration (n_q,)."""
         return point(self.start, model, "scenario.start")
+
+    def start_rates(self, model: Model) -> Array:
+        """Return the velocity at the start (n_v,)."""
+        v = np.zeros(len(model.velocity.names))
+        for name, value in self.start_velocity.items():
+            v[coordinate(name, model.velocity, "scenario.start_velocity")] = value
+        return v
 
     def end_point(self, model: Model) -> Array:
         """Return the end configuration (n_q,)."""

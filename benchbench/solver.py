@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
 from benchbench.blocks import Compile
+from benchbench.errors import IncompatibleCase
 from benchbench.mpcc import Mpcc
 from benchbench.plan import Array
 
@@ -61,6 +62,7 @@ class Setup:
 
 
 Prepared = Callable[[float, Point], Outcome]
+Parametric = Callable[[Mpcc, Point], Outcome]
 
 
 class Solver(ABC):
@@ -75,6 +77,14 @@ class Solver(ABC):
         mpcc has no pairs left (they were relaxed), or with `native_pairs` perhaps pairs of kind
         "complementarity". Raises Unavailable when the library is not there.
         """
+
+    def prepare_parametric(self, mpcc: Mpcc, setup: Setup, adjustable: Collection[str]) -> Parametric:
+        """Return a callable (problem, start) -> Outcome that builds nothing again, unless overridden: none.
+
+        The problems differ from `mpcc` in bounds, guesses and parameters of the blocks named in `adjustable`;
+        the starts are near solutions, with their multipliers.
+        """
+        raise IncompatibleCase("solver", f"'{type(self).__name__}' builds each problem anew", "ipopt")
 
     @abstractmethod
     def native_options(self, setup: Setup) -> dict[str, Any]:

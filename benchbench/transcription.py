@@ -103,7 +103,7 @@ def own_duration(grid: Grid, intervals: Sequence[int] | None = None) -> tuple[Sl
 def nodal_variables(
     scenario: Scenario, model: Model, grid: Grid, input_rows: int, velocity_limits: bool = True
 ) -> tuple[Variable, ...]:
-    """q, v, u, T with their bounds; fixed start at rest, guesses are a straight line at hover."""
+    """q, v, u, T with their bounds; fixed start, guesses are a straight line at hover."""
     start, end = scenario.start_point(model), scenario.end_point(model)
     q, last = scenario.limits(model), scenario.ends(model)
     nodes = grid.intervals + 1
@@ -123,7 +123,7 @@ def nodal_variables(
         way += (end - start) / scenario.travel_time_guess
     return (
         _with_ends("q", low_q, high_q, start, (last.lower_q, last.upper_q), line),
-        _with_ends("v", low_v, high_v, np.zeros_like(low_v[0]), (last.lower_v, last.upper_v), way),
+        _with_ends("v", low_v, high_v, scenario.start_rates(model), (last.lower_v, last.upper_v), way),
         Variable("u", low_u, high_u, np.tile(u_ref, (input_rows, 1))),
         Variable("T", _column(grid, "lower"), _column(grid, "upper"), _column(grid, "guess"), "s"),
     )

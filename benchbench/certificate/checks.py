@@ -49,13 +49,19 @@ def planned(plan: Plan, scenario: Scenario, model: Model, limits: Limits) -> Che
     """Check ends and limits at the nodes, to numeric accuracy."""
     names, units = plan.coordinate_names, plan.coordinate_units
     moving, rates = plan.velocity_names, plan.velocity_units
-    ends = (("start", 0, scenario.start_point(model)), ("end", -1, scenario.end_point(model)))
-    for where, k, point in ends:
+    still = np.zeros(len(moving))
+    ends = (
+        ("start", 0, scenario.start_point(model), scenario.start_rates(model)),
+        ("end", -1, scenario.end_point(model), still),
+    )
+    for where, k, point, rate in ends:
         gap, (i,) = worst(np.abs(plan.configuration[k] - point))
         what = f"distance of planned '{names[i]}' from the {where}"
         yield at_most(f"planned_{where}", what, gap, limits.node, units[i])
-        speed, (i,) = worst(np.abs(plan.velocity[k]))
-        what = f"planned rate of '{moving[i]}' at the {where}"
+        speed, (i,) = worst(np.abs(plan.velocity[k] - rate))
+        what = f"planned rate of '{moving[i]}' at the {where}" + (
+            " beside the given one" if rate.any() else ""
+        )
         yield at_most(f"planned_{where}_rest", what, speed, limits.node, rates[i])
     boxes = (
         ("configuration", plan.configuration, scenario.limits(model)),

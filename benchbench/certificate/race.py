@@ -73,7 +73,7 @@ def planned(plan: Plan, race: Race, model: Model, limits: Limits) -> Checks:
     yield at_most(
         "planned_start", f"distance of planned '{names[i]}' from the start", gap, limits.node, units[i]
     )
-    speed, (i,) = worst(np.abs(plan.velocity[0]))
+    speed, (i,) = worst(np.abs(plan.velocity[0] - race.start_rates(model)))
     what = f"planned rate of '{plan.velocity_names[i]}' at the start"
     yield at_most("planned_start_rest", what, speed, limits.node, plan.velocity_units[i])
     if "qw" in names:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from importlib import metadata
 from typing import Any
@@ -17,7 +17,7 @@ from benchbench.assemble import Program, assemble
 from benchbench.errors import BadInput, Unavailable
 from benchbench.mpcc import Mpcc
 from benchbench.plan import Array
-from benchbench.solver import Claim, Outcome, Point, Prepared, Setup
+from benchbench.solver import Claim, Outcome, Parametric, Point, Prepared, Setup
 from benchbench_plugins.solvers.library import oracle, signatures
 from benchbench_plugins.solvers.output import last_line
 from benchbench_plugins.solvers.output import quiet as quiet
@@ -73,39 +73,53 @@ def prepare(backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, An
 def prepare_with_derivatives(
     backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, Any]
 ) -> Prepared:
-    """Build a solver that takes derivative functions as options (IPOPT, BONMIN): nothing more to compile.
-
-    Without `no_nlp_grad` and `calc_lam_p` CasADi would ask blocks for derivatives they do not have.
-    """
+    """Build a solver that takes derivative functions as options (IPOPT, BONMIN): nothing more to compile."""
     program = backend.change(assemble(mpcc, setup.compile))
-    own = {
-        "grad_f": program.gradient, "jac_g": program.jacobian, "hess_lag": program.hessian,
-        "no_nlp_grad": True, "calc_f": False, "calc_g": False,
-    }  # fmt: skip
-    return finish(
-        backend, program, _problem(program), setup, {**COMMON, **own, **options, **(backend.fixed or {})}
-    )
+    given = {**_derivatives(program), **options, **(backend.fixed or {})}
+    return finish(backend, program, _problem(program), setup, given)
+
+
+def prepare_parametric(
+    backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, Any], adjustable: Collection[str]
+) -> Parametric:
+    """Build one solver for all problems that differ in numbers only (see `Solver.prepare_parametric`)."""
+    program = assemble(mpcc, setup.compile, adjustable)
+    run = _runner(backend, program, _problem(program), setup, {**_derivatives(program), **options})
+    return lambda moved, start: run(program.moved(moved), program.numbers(moved, 0.0), start)
+
+
+def _derivatives(program: Program) -> dict[str, Any]:
+    """Options; without `no_nlp_grad` and `calc_lam_p` CasADi would ask blocks for derivatives they do not have."""
+    own = {"grad_f": program.gradient, "jac_g": program.jacobian, "hess_lag": program.hessian}
+    return {**COMMON, **own, "no_nlp_grad": True, "calc_f": False, "calc_g": False}
 
 
 def finish(
     backend: Backend, program: Program, problem: Any, setup: Setup, options: dict[str, Any]
 ) -> Prepared:
     """Create the nlpsol and what runs it."""
+    run = _runner(backend, program, problem, setup, options)
+    return lambda sigma, start: run(program, np.array([sigma]), start)
+
+
+def _runner(
+    backend: Backend, program: Program, problem: Any, setup: Setup, options: dict[str, Any]
+) -> Callable[[Program, Array, Point], Outcome]:
+    """Create the nlpsol; what it returns solves the program for p, with the bounds it is given."""
     needed = setup.progress is not None or not backend.timed
     watch = Watch(program, setup) if backend.watched and needed else None
     if watch:
         options = {**options, "iteration_callback": watch}
     solver = _create(backend.plugin, problem, options)
 
-    def solve(sigma: float, start: Point) -> Outcome:
-        if watch:
+    def solve(bounded: Program, p: Array, start: Point) -> Outcome:
+        if watch:  # named here, because CasADi holds no reference to its callback
             watch.begin()
         with quiet(setup.progress is None):
-            outcome = _run(solver, program, backend.claims, watch, sigma, start)
+            outcome = _run(solver, bounded, backend.claims, watch, p, start)
         ran_out = outcome.claim == "failed" and outcome.iterations >= setup.iterations
         return replace(outcome, claim="iteration_limit") if ran_out else outcome
 
-    solve.keep = watch  # type: ignore[attr-defined]  # CasADi holds no reference to its callback
     return solve
 
 
@@ -134,10 +148,10 @@ def _tiny() -> dict[str, ca.MX]:
 
 
 def _run(
-    solver: ca.Function, program: Program, claims: Mapping[str, Claim], watch: Watch | None, sigma: float, start: Point
+    solver: ca.Function, program: Program, claims: Mapping[str, Claim], watch: Watch | None, p: Array, start: Point
 ) -> Outcome:  # fmt: skip
     arguments: dict[str, Any] = {
-        "x0": start.x, "p": sigma,
+        "x0": start.x, "p": p,
         "lbx": program.lower_x, "ubx": program.upper_x, "lbg": program.lower_g, "ubg": program.upper_g,
     }  # fmt: skip
     if start.lam_g is not None and start.lam_x is not None:

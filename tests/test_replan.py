@@ -1,0 +1,106 @@
+"""Replanning: the numbers of a new situation, put into a program that was built once, give what a fresh solve gives."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchbench import config
+from benchbench.assemble import assemble
+from benchbench.case import Case, Ledger
+from benchbench.dynamics import Grid, Phase
+from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.formulation import phases
+from benchbench.guess import straight_line
+from benchbench.motion import Motion
+from benchbench.plan import Array, Plan
+from benchbench.replan import Replanner, moved, renumbered
+from benchbench.shift import Shift
+from benchbench.strategy import pose
+from benchbench_plugins.motions import Circle, Fixed, Linear
+
+SMALL = ("scenario.intervals=24", "scenario.contact_seconds=0.1", "compile=never")
+TARGETS: dict[str, Motion] = {
+    "static": Fixed((1.1, 0.1, 0.4)),
+    "linear": Linear((0.92, 0.0, 0.4), (0.1, 0.02, 0.0)),
+    "circle": Circle((1.0, 0.05, 0.4), 0.4, -0.35, 1.4),
+}
+
+
+def state(plan: Plan, at: float) -> tuple[Array, Array]:
+    """Configuration and velocity of a plan at a time in s."""
+    q, v = (np.array([np.interp(at, plan.time, c) for c in a.T]) for a in (plan.configuration, plan.velocity))
+    return q, v
+
+
+def fresh(case: Case) -> Plan:
+    return pose(phases(case, straight_line(case)), case, Ledger(60.0), "fresh").plan
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_replanned_travel_time_is_that_of_a_fresh_solve(name: str) -> None:
+    replanner = Replanner(config.compose(f"+scenario={name}", *SMALL))
+    q, v = state(replanner.first.plan, 0.1)
+    answer = replanner.plan(TARGETS[name], q, v, elapsed=0.1)
+    assert answer.result.solved.outcome.claim == "solved"
+    assert abs(answer.plan.travel_time - fresh(answer.case).travel_time) < 1e-4
+    np.testing.assert_allclose(answer.plan.velocity[0], v, atol=1e-9)
+    by_name = {check.name: check for check in answer.certificate().checks}
+    asked = ("residual", "planned_start", "planned_start_rest", "planned_end", "contact_node_position")
+    assert all(by_name[check].ok for check in asked)
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_renumbered_problem_is_the_one_built_anew(name: str) -> None:
+    case = config.compose(f"+scenario={name}", *SMALL)
+    old = phases(case, straight_line(case))
+    q = case.scenario.start_point(case.model) + 0.01
+    new = moved(case, TARGETS[name], q, np.linspace(-0.1, 0.1, 7))
+    built = phases(new, straight_line(new))
+    assert renumbered(old, new, TARGETS[name]).mpcc.digest == built.mpcc.digest != old.mpcc.digest
+
+
+def test_parameters_of_a_program_are_the_constants_of_another() -> None:
+    case = config.compose("+scenario=linear", *SMALL)
+    old, new = (
+        phases(c, straight_line(c)).mpcc
+        for c in (case, moved(case, TARGETS["linear"], np.ones(7), np.zeros(7)))
+    )
+    open_, constant = assemble(old, "never", tuple(case.scenario.contacts)), assemble(new, "never")
+    p, x = open_.numbers(new, 0.0), new.guess + 0.01
+    lam = np.linspace(-1.0, 1.0, len(constant.lower_g))
+    for name, more in (("gradient", ()), ("jacobian", ()), ("hessian", (1.0, lam))):
+        ours, theirs = (getattr(g, name).call([x, n, *more]) for g, n in ((open_, p), (constant, [0.0])))
+        for a, b in zip(ours, theirs, strict=True):
+            np.testing.assert_allclose(np.asarray(a.T), np.asarray(b.T), rtol=1e-12, atol=1e-12)
+    now = open_.moved(new)
+    np.testing.assert_array_equal(now.lower_x, constant.lower_x)
+    np.testing.assert_array_equal(now.upper_g, constant.upper_g)
+
+
+def test_shift_reads_the_old_plan_later() -> None:
+    """A function of time, sampled at nodes and in the middle of intervals, is met where it is linear."""
+    grid = Grid((Phase("a", 4, 0, 9, 1.0), Phase("b", 2, 0, 9, 1.0), Phase("c", 3, 0, 9, 1.0)))
+    duration = np.array([2.0, 0.5, 1.5])
+    shift = Shift(grid, duration, 0.3)
+    old, new = grid.time_weights @ duration, 0.3 + grid.time_weights @ shift.rest
+    np.testing.assert_allclose(shift.rows(old[:, None])[:, 0], new, atol=1e-14)
+    middle, later = (old[1:] + old[:-1]) / 2, (new[1:] + new[:-1]) / 2
+    inside = later >= middle[0]
+    np.testing.assert_allclose(shift.rows(middle[:, None])[inside, 0], later[inside], atol=1e-14)
+    np.testing.assert_array_equal(shift.rows(np.eye(3)), np.eye(3))
+    still = Shift(grid, duration, 0.0)
+    np.testing.assert_allclose(still.rows(old[:, None]), old[:, None], atol=1e-14)
+
+
+def test_bad_input_is_explained() -> None:
+    replanner = Replanner(config.compose("+scenario=static", *SMALL))
+    q, v = state(replanner.first.plan, 0.0)
+    with pytest.raises(BadInput, match="another kind"):
+        replanner.plan(TARGETS["linear"], q, v)
+    with pytest.raises(BadInput, match="contact has begun"):
+        replanner.plan(TARGETS["static"], q, v, elapsed=5.0)
+    with pytest.raises(IncompatibleCase, match="builds each problem anew"):
+        Replanner(config.compose("+scenario=static", "solver=sqpmethod", *SMALL))
+    with pytest.raises(IncompatibleCase, match="no single target"):
+        Replanner(config.compose("+scenario=race"))
