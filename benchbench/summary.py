@@ -108,7 +108,7 @@ def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         text = f"{r['contact_start_s']:.3f} to {r['contact_end_s']:.3f} s: {r['contact_duration_s']:.3f} s, "
         lines.append(("contact", f"{text}{r['contact_steps']} nodes\n{_worst(r)}"))
     if r["gates"] is not None:
-        worst = _scaled(r["gate_worst_miss_m"], 1e3, "mm beyond a radius at worst") or "-"
+        worst = _scaled(r["gate_worst_miss_m"], 1e3, "mm beyond a gate's edge at worst") or "-"
         lines.append(("gates", f"{r['gates_passed']} of {r['gates']} in order, {worst}"))
     defect, drift = (_scaled(r[f"replay_{k}_position_m"], 1e3, "mm") or "-" for k in ("defect", "drift"))
     times = (r["build_cpu_s"], r["solve_cpu_s"], r["certificate_cpu_s"])

@@ -32,6 +32,32 @@ def test_the_same_track_from_a_list_from_csv_and_from_yaml(tmp_path: Path) -> No
     assert read(str(listed), 0.3).lap == wanted
 
 
+def test_gates_of_all_kinds_from_yaml_and_from_csv(tmp_path: Path) -> None:
+    listed = tmp_path / "track.yaml"
+    listed.write_text(
+        "- {x: 0, y: 0, z: 1, speed: [2, 6]}\n"
+        "- {x: 5, y: 0, z: 1, width: 1.2, height: 0.8, yaw: 1.5707963267948966, heading: 0.5}\n"
+        "- {x: 5, y: 5, z: 2, width: 2, height: 2, normal: [0, 3, 4], direction: against, speed: 3}\n"
+    )
+    table = tmp_path / "track.csv"
+    table.write_text(
+        "x,y,z,radius,width,height,yaw,nx,ny,nz,direction,speed_min,speed_max,heading\n"
+        "0,0,1,0.3,,,,,,,,2,6,\n5,0,1,,1.2,0.8,1.5707963267948966,,,,,,,0.5\n5,5,2,,2,2,,0,3,4,against,2.98,3.02,\n"
+    )
+    ball, upright, tilted = read(listed, 0.3).lap
+    assert read(table, 0.3).lap == (ball, upright, tilted)
+    assert (ball.radius, ball.speed, ball.opening) == (0.3, (2.0, 6.0), None)
+    assert upright.opening is not None and tilted.opening is not None
+    assert upright.opening.normal == pytest.approx((0, 1, 0)) and upright.heading == 0.5
+    assert upright.opening.sides[0] == pytest.approx((-1, 0, 0)) and upright.opening.sides[
+        1
+    ] == pytest.approx((0, 0, 1))
+    assert tilted.opening.normal == pytest.approx((0, 0.6, 0.8)) and tilted.speed == pytest.approx(
+        (2.98, 3.02)
+    )
+    assert tilted.radius == pytest.approx(2**0.5)
+
+
 def test_a_yaml_file_may_bring_start_end_and_radius(tmp_path: Path) -> None:
     file = tmp_path / "track.yml"
     file.write_text(f"start: [1, 2, 3]\nend: [9, 9, 1]\nlap: {LAP}\nradius: 0.5\ngates: 5\n")
@@ -55,7 +81,17 @@ def test_the_public_track_repeats_its_lap() -> None:
     ("text", "said"),
     [
         ("x,y\n1,2\n", "header 'x,y'"),
-        ("x,y,z,colour\n1,2,3,4\n", "header"),
+        ("x,y,z,colour\n1,2,3,4\n", "track.colour: does not exist"),
+        ("x,y,z,raduis\n1,2,3,4\n", "perhaps 'radius'"),
+        ("x,y,z,width,height\n1,2,3,1,\n", "gate 1, height: is missing"),
+        ("x,y,z,width,height\n1,2,3,1,1\n", "yaw and normal: are both missing"),
+        ("x,y,z,width,height,yaw,nx\n1,2,3,1,1,0,1\n", "yaw and normal: are both given"),
+        ("x,y,z,width,height,nx,ny,nz\n1,2,3,1,1,0,0,0\n", "normal: .* a direction"),
+        ("x,y,z,width,height,yaw,radius\n1,2,3,1,1,0,1\n", "radius: is given beside"),
+        ("x,y,z,width,height,yaw,direction\n1,2,3,1,1,0,up\n", "direction: 'up'"),
+        ("x,y,z,width,height,yaw\n1,2,3,-1,1,0\n", "width: -1 m was given"),
+        ("x,y,z,speed_min,speed_max\n1,2,3,5,4\n", "speed: .* the first below the second"),
+        ("x,y,z,heading\n1,2,3,north\n", "heading: 'north' was given; allowed: an angle in rad"),
         ("x,y,z\n1,2\n", "gate 1: has 2 columns"),
         ("x,y,z\n1,2,three\n", "gate 1: 'three'"),
         ("x,y,z\n1,2,nan\n", "gate 1: 'nan'"),

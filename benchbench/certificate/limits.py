@@ -23,8 +23,9 @@ class Limits(BaseModel):
     end_position         the replay may miss the end by, m
     end_angle            and each of its angles by, rad
     end_velocity_ratio   velocity left at the end of the replay over its limit, 1
-    end_speed            velocity over or under the one asked for at the end of a race, m/s
+    end_speed            velocity over or under the one asked for at a gate or the end of a race, m/s
     gate_position        a gate of a race may be missed by more than its radius by, m
+    gate_heading         its heading may be missed by more than the planner may by, rad
     segment_position     the replay from one gate to the next may miss the planned place of the latter by, m
     restart_seconds      the replay starts again from the planned state after so long, s; null: never
     """
@@ -46,5 +47,6 @@ class Limits(BaseModel):
     end_velocity_ratio: NonNegative
     end_speed: Positive = 0.05
     gate_position: NonNegative = 0.01
+    gate_heading: NonNegative = 0.01
     segment_position: Positive = 0.01
     restart_seconds: Positive | None = None

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchbench.certificate.certificate import Check, at_most, worst
+from benchbench.certificate.gates import Pass, manner, passes
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import Replay
 from benchbench.model import Model
@@ -19,44 +19,6 @@ from benchbench.race.track import Gate
 Checks = Iterator[Check]
 UNIT_LENGTH = 1e-6
 """Largest error of the length of a planned quaternion."""
-
-
-@dataclass(frozen=True)
-class Pass:
-    """How one gate was passed: nearest `distance` (m) to its centre at `time` (s), in order or not at all.
-
-    `inside`: within radius and allowance, after the gate before.
-    """
-
-    time: float
-    distance: float
-    inside: bool
-
-
-def passes(time: Array, position: Array, gates: tuple[Gate, ...], allowance: float) -> tuple[Pass, ...]:
-    """Follow a path (m,) s, (m, 3) m, straight between its points, through the gates in order.
-
-    A gate counts from the moment the one before was entered. Of each gate the nearest point of the first stay inside is
-    told; of one that is never entered, and of all after it, the nearest point from there on.
-    """
-    found: list[Pass] = []
-    first, share = 0, 0.0
-    for gate in gates:
-        distance, at = _nearest(position[first:], gate, share)
-        inside = distance <= gate.radius + allowance
-        if not inside.any() or (found and not found[-1].inside):
-            k = int(np.nanargmin(distance)) if np.isfinite(distance).any() else 0
-            found.append(Pass(_time(time, first + k, at[k]), float(distance[k]), False))
-            continue
-        entered = int(np.argmax(inside))
-        left = entered + int(np.argmin(np.append(inside[entered:], False)))
-        k = entered + int(np.argmin(distance[entered:left]))
-        found.append(Pass(_time(time, first + k, at[k]), float(distance[k]), True))
-        first, share = (
-            first + entered,
-            _entry(position[first + entered :], gate, allowance, share if entered == 0 else 0),
-        )
-    return tuple(found)
 
 
 def gate_nodes(plan: Plan, race: Race, limits: Limits) -> tuple[int, ...]:
@@ -102,17 +64,7 @@ def planned(plan: Plan, race: Race, model: Model, limits: Limits) -> Checks:
 
 def flown(plan: Plan, flight: Replay, race: Race, model: Model, limits: Limits) -> Checks:
     """Check gates, limits between nodes, ground and end on the replay."""
-    found = passes(flight.time, flight.configuration[:, :3], race.goals, limits.gate_position)
-    for number, (gate, one) in enumerate(zip(race.goals, found, strict=True), 1):
-        name = "the end" if number == len(race.goals) else f"gate {number}"
-        allowed = gate.radius + limits.gate_position
-        if one.inside:
-            yield Check("gate", one.distance, allowed, "m", True)
-            continue
-        reason = f"{name} is passed at {one.distance:.4g} m on the replay at t={one.time:.3f} s, allowed {allowed:g} m"
-        if one.distance <= allowed:
-            reason = f"{name} is not passed after the gates before it"
-        yield Check("gate", one.distance, allowed, "m", False, reason)
+    yield from _gates(flight, race, model, limits)
     for k in (*flight.restarts, plan.intervals):
         missed = float(np.linalg.norm(flight.configuration[flight.nodes[k], :3] - plan.configuration[k, :3]))
         where = f" at node {k} (t={plan.time[k]:.3f} s)"
@@ -128,11 +80,50 @@ def flown(plan: Plan, flight: Replay, race: Race, model: Model, limits: Limits) 
     yield from _end(flight, race, model, limits)
 
 
+def _gates(flight: Replay, race: Race, model: Model, limits: Limits) -> Checks:
+    """Check that every gate is passed in order, and at the speed and with the heading it asks for."""
+    position, allowed = flight.configuration[:, :3], limits.gate_position
+    nose = model.plant().nose(flight.configuration)
+    found = passes(flight.time, position, race.goals, allowed)
+    for number, (gate, one) in enumerate(zip(race.goals, found, strict=True), 1):
+        name = "the end" if number == len(race.goals) else f"gate {number}"
+        yield Check(
+            "gate",
+            one.beyond,
+            allowed,
+            "m",
+            one.inside,
+            "" if one.inside else _missed(name, gate, one, allowed),
+        )
+        if not one.inside:
+            continue
+        how = manner(gate, one, flight.time, position, flight.velocity[:, :3], nose, allowed)
+        where = f" on the replay at t={one.time:.3f} s"
+        if gate.speed is not None:
+            what = f"the speed at {name} is off its limits and"
+            yield at_most("gate_speed", what, how.speed, limits.end_speed, "m/s", where)
+        if gate.heading is not None:
+            what = f"the heading at {name} is off its limits and"
+            yield at_most("gate_heading", what, how.heading, limits.gate_heading, "rad", where)
+
+
+def _missed(name: str, gate: Gate, one: Pass, allowed: float) -> str:
+    """Say why a gate does not count."""
+    if one.beyond <= allowed:
+        return f"{name} is not passed after the gates before it"
+    if np.isinf(one.beyond):
+        return f"{name} is not crossed in its direction on the replay, after the gates before it"
+    if gate.opening is not None:
+        there = f"{name} is crossed {one.beyond:.4g} m beyond the edge of its opening"
+        return f"{there} on the replay at t={one.time:.3f} s, allowed {allowed:g} m"
+    far, most = one.beyond + gate.radius, gate.radius + allowed
+    return f"{name} is passed at {far:.4g} m on the replay at t={one.time:.3f} s, allowed {most:g} m"
+
+
 def worst_miss(flight: Replay, race: Race, limits: Limits) -> tuple[int, float]:
-    """Number of gates passed in order, the end included, and the largest distance beyond a radius, m."""
+    """Number of gates passed in order, the end included, and the largest distance beyond one, m."""
     found = passes(flight.time, flight.configuration[:, :3], race.goals, limits.gate_position)
-    miss = [one.distance - gate.radius for one, gate in zip(found, race.goals, strict=True)]
-    return sum(one.inside for one in found), float(np.max(miss))
+    return sum(one.inside for one in found), float(np.max([one.beyond for one in found]))
 
 
 def _input_nodes(plan: Plan) -> NDArray[np.int64]:
@@ -179,25 +170,3 @@ def _end(flight: Replay, race: Race, model: Model, limits: Limits) -> Checks:
     yield at_most(
         "replay_end_velocity", "velocity at the end on the replay is off and", off, limits.end_speed, "m/s"
     )
-
-
-def _nearest(position: Array, gate: Gate, after: float) -> tuple[Array, Array]:
-    """Nearest distance of each straight piece of a path to a gate's centre, and where on the piece (share)."""
-    start, way = position[:-1], np.diff(position, axis=0)
-    to = np.array(gate.position) - start
-    length = np.sum(way**2, axis=1)
-    share = np.clip(np.sum(to * way, axis=1) / np.maximum(length, 1e-300), 0.0, 1.0)
-    share[:1] = np.maximum(share[:1], after)
-    return np.linalg.norm(to - share[:, None] * way, axis=1), share
-
-
-def _entry(position: Array, gate: Gate, allowance: float, after: float) -> float:
-    """Share of the first piece at which the path enters the gate."""
-    start, way = position[0] - np.array(gate.position), position[1] - position[0]
-    a, b, c = way @ way, start @ way, start @ start - (gate.radius + allowance) ** 2
-    root = (-b - np.sqrt(max(b * b - a * c, 0.0))) / a if a > 0 else 0.0
-    return float(np.clip(root, after, 1.0))
-
-
-def _time(time: Array, piece: int, share: float) -> float:
-    return float(time[piece] + share * (time[piece + 1] - time[piece]))

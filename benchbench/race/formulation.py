@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from benchbench.case import Case
-from benchbench.certificate.race import passes
+from benchbench.certificate.gates import passes
 from benchbench.dynamics import Grid, Phase, Trajectory
 from benchbench.formulation import Problem, Windows
 from benchbench.mpcc import Mpcc
@@ -44,7 +44,7 @@ def phases(race: Race, case: Case, start: Plan) -> Problem:
     base, trajectory = case.dynamics.transcribe(race, case.model, grid)
     held = at_nodes(race, _place(case), grid.ends, race.goals)
     return Problem(
-        base.start_from(trajectory.encode(start)) + Mpcc((), (held,)),
+        base.start_from(trajectory.encode(start)) + Mpcc((), held),
         trajectory,
         _at(grid.ends),
         race.itinerary.stops,
@@ -56,7 +56,7 @@ def held(race: Race, case: Case, start: Plan) -> Problem:
     base, trajectory = _flight(race, case, start)
     nodes = (*nearest_nodes(race, start, trajectory), race.intervals)
     return Problem(
-        base + Mpcc((), (at_nodes(race, _place(case), nodes, race.goals),)),
+        base + Mpcc((), at_nodes(race, _place(case), nodes, race.goals)),
         trajectory,
         _at(nodes),
         race.itinerary.stops,
@@ -67,7 +67,7 @@ def free(race: Race, case: Case, start: Plan) -> Problem:
     """One step size; progress variables and complementarity say at which nodes the gates are passed."""
     base, trajectory = _flight(race, case, start)
     end = at_nodes(race, _place(case), [race.intervals], race.goals[-1:])
-    mpcc = base + Mpcc((), (end,)) + by_progress(race, _place(case), race.intervals)
+    mpcc = base + Mpcc((), end) + by_progress(race, _place(case), race.intervals)
     kappa = passed_at(race.intervals, nearest_nodes(race, start, trajectory))
     return Problem(mpcc.start_from({"kappa": kappa}), trajectory, None, race.itinerary.stops)
 
@@ -100,4 +100,5 @@ def _at(nodes: Sequence[int]) -> Windows:
 
 
 def _place(case: Case) -> Place:
-    return Place("q", len(case.model.configuration.names))
+    model = case.model
+    return Place("q", len(model.configuration.names), len(model.velocity.names), model)

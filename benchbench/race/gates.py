@@ -3,7 +3,7 @@
 Progress (complementary progress constraints, Foehn, Romero & Scaramuzza 2021, doi:10.1126/scirobotics.abh1221): of
 each gate i a variable kappa^i falls from 1 to 0 along the nodes, by
 
-    mu^i_k = kappa^i_k - kappa^i_{k+1} >= 0   only where   h_i(p_k) = |p_k - w_i|^2 / r_i^2 - 1 <= 0,
+    mu^i_k = kappa^i_k - kappa^i_{k+1} >= 0   only where   h_i(x_k) <= 0,  of a ball  |p_k - w_i|^2 / r_i^2 - 1 <= 0,
 
 and kappa^i <= kappa^{i+1} keeps the order. Their slack nu in mu (|p - w|^2 - nu) <= 0.01 is not needed, because the
 pair is a vanishing one; that 0.01 lets flights miss a gate of 0.3 m by 0.42 m. A gate is touched at a node.
@@ -17,30 +17,65 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from benchbench.model import Model
 from benchbench.mpcc import Block, Index, Mpcc, Pair, Slot, Variable, rows
 from benchbench.plan import Array
+from benchbench.race.conditions import Condition, conditions
 from benchbench.race.scenario import Race
 from benchbench.race.track import Gate
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a flight has its positions: the first three of the `width` columns of a variable."""
+    """Where a flight has its state.
+
+    Position in the first three of the `width` columns of `variable`, velocity in those of the `rates` columns of v.
+    Without a model (a point mass) nothing is asked of the attitude.
+    """
 
     variable: str
     width: int
+    rates: int
+    model: Model | None = None
 
-    def at(self, nodes: Sequence[int] | Index) -> Slot:
-        """Position of each of the nodes."""
-        return Slot(self.variable, rows(self.variable, self.width, nodes).index[:, :3])
+    def knows(self, condition: Condition) -> bool:
+        """Whether there is what the condition reads."""
+        return condition.reads != "attitude" or self.model is not None
+
+    def at(self, condition: Condition, nodes: Sequence[int] | Index) -> Slot:
+        """What the condition reads, at each of the nodes."""
+        name, width = ("v", self.rates) if condition.reads == "velocity" else (self.variable, self.width)
+        read = width if condition.reads == "attitude" else 3
+        return Slot(name, rows(name, width, nodes).index[:, :read])
+
+    def h(self, condition: Condition) -> tuple[ca.SX, ca.SX, ca.SX]:
+        """The condition with the symbols of its unknowns, as `at` gives them, and of its numbers."""
+        numbers = ca.SX.sym("numbers", condition.count)
+        z = ca.SX.sym("z", self.width if condition.reads == "attitude" else 3)
+        state = self.model.nose(z) if self.model and condition.reads == "attitude" else z
+        return condition.h(state, numbers), z, numbers
 
 
-def at_nodes(race: Race, place: Place, nodes: Sequence[int], goals: Sequence[Gate]) -> Block:
-    """Impose each gate at its node."""
-    position, gate = ca.SX.sym("position", 3), ca.SX.sym("gate", 4)
-    function = ca.Function("gate", [position, gate, ca.SX.sym("sigma")], [_outside(position, gate)])
-    none = np.zeros((len(nodes), 1))
-    return Block("gates", function, (place.at(nodes),), _numbers(race, goals), none - np.inf, none, "1")
+def at_nodes(race: Race, place: Place, nodes: Sequence[int], goals: Sequence[Gate]) -> tuple[Block, ...]:
+    """Impose each gate at its node, a block for each kind of condition."""
+    found = []
+    for condition, (which, numbers) in _kinds(race, place, goals).items():
+        h, z, p = place.h(condition)
+        function = ca.Function(condition.name, [z, p, ca.SX.sym("sigma")], [h])
+        none = np.zeros((len(which), h.shape[0]))
+        slot = place.at(condition, [nodes[i] for i in which])
+        found.append(Block(f"gate_{condition.name}", function, (slot,), numbers, none - np.inf, none, "1"))
+    return tuple(found)
+
+
+def _kinds(race: Race, place: Place, goals: Sequence[Gate]) -> dict[Condition, tuple[list[int], Array]]:
+    """For each kind of condition the gates that ask for it, and their numbers (gates, count)."""
+    found: dict[Condition, list[tuple[int, tuple[float, ...]]]] = {}
+    for i, gate in enumerate(goals):
+        for condition, numbers in conditions(gate, race.gate_margin):
+            if place.knows(condition):
+                found.setdefault(condition, []).append((i, numbers))
+    return {kind: ([i for i, _ in rows_], np.array([n for _, n in rows_])) for kind, rows_ in found.items()}
 
 
 def by_progress(race: Race, place: Place, intervals: int) -> Mpcc:
@@ -49,8 +84,11 @@ def by_progress(race: Race, place: Place, intervals: int) -> Mpcc:
     low, high = (np.full((intervals + 1, gates), bound) for bound in (0.0, 1.0))
     low[0], high[-1] = 1.0, 0.0
     kappa = Variable("kappa", low, high, np.linspace(high[0], low[-1], intervals + 1), "1", True)
-    radii = np.array([goal.radius for goal in race.goals[:-1]])
-    pairs = tuple(_pair(race, place, intervals, np.flatnonzero(radii == r)) for r in np.unique(radii))
+    pairs = tuple(
+        _pair(place, condition, intervals, gates, np.array(which)[same], numbers[same])
+        for condition, (which, numbers) in _kinds(race, place, race.goals[:-1]).items()
+        for same in _alike(condition, numbers)
+    )
     return Mpcc((kappa,), (_progress(intervals, gates), _order(intervals, gates)), (), pairs)
 
 
@@ -59,28 +97,29 @@ def passed_at(intervals: int, nodes: Sequence[int]) -> Array:
     return np.where(np.arange(intervals + 1)[:, None] <= np.asarray(nodes), 1.0, 0.0)
 
 
-def _outside(position: ca.SX, gate: ca.SX) -> ca.SX:
-    """Return h of a gate [w, r]."""
-    return ca.sumsqr(position - gate[:3]) / gate[3] ** 2 - 1
+def _alike(condition: Condition, numbers: Array) -> list[Index]:
+    """Rows of numbers that may share a block: of a gap those with the same limit, else all."""
+    limits = numbers[:, -1] if condition.gap else np.zeros(len(numbers))
+    return [np.flatnonzero(limits == limit) for limit in np.unique(limits)]
 
 
-def _numbers(race: Race, goals: Sequence[Gate]) -> Array:
-    """[w, r] of each gate as the planner keeps it, (gates, 4) m."""
-    return np.array([[*goal.position, goal.radius * (1 - race.gate_margin)] for goal in goals])
-
-
-def _pair(race: Race, place: Place, intervals: int, which: Index) -> Pair:
-    """Vanishing pairs mu, h at all nodes but the last, of those gates (columns of kappa) that share a radius."""
+def _pair(
+    place: Place, condition: Condition, intervals: int, gates: int, which: Index, numbers: Array
+) -> Pair:
+    """Vanishing pairs mu, h at all nodes but the last, of those gates (columns of kappa)."""
     nodes = np.repeat(np.arange(intervals), len(which))
-    column = np.tile(which, intervals)
-    kappa, position, gate = ca.SX.sym("kappa", 2), ca.SX.sym("position", 3), ca.SX.sym("gate", 4)
-    out = ca.vertcat(kappa[0] - kappa[1], _outside(position, gate))
-    function = ca.Function("gate_progress", [ca.vertcat(kappa, position), gate, ca.SX.sym("sigma")], [out])
-    now = nodes * (len(race.goals) - 1) + column
-    slots = (_two(now, now + len(race.goals) - 1), place.at(nodes))
-    gates, none = _numbers(race, [race.goals[i] for i in column]), np.zeros((len(nodes), 2))
-    block = Block("position", function, slots, gates, none, none, "m")
-    return Pair(block, "vanishing", (float(gates[0, 3]),), sign_known=True)
+    h, z, p = place.h(condition)
+    kappa = ca.SX.sym("kappa", 2)
+    out = ca.vertcat(ca.repmat(kappa[0] - kappa[1], h.shape[0], 1), h)
+    function = ca.Function(f"progress_{condition.name}", [ca.vertcat(kappa, z), p, ca.SX.sym("sigma")], [out])
+    now = nodes * gates + np.tile(which, intervals)
+    slots = (_two(now, now + gates), place.at(condition, nodes))
+    none = np.zeros((len(nodes), 2 * h.shape[0]))
+    limit = (float(numbers[0, -1]),) if condition.gap else None
+    block = Block(
+        condition.name, function, slots, np.tile(numbers, (intervals, 1)), none, none, condition.unit
+    )
+    return Pair(block, "vanishing", limit, sign_known=True)
 
 
 def _progress(intervals: int, gates: int) -> Block:

@@ -79,8 +79,8 @@ def _problem(race: Race, case: Case, grid: Grid) -> Mpcc:
         Variable("f", -free, free, hover, "m/s^2"),
         Variable("T", 0 * duration + SHORTEST, 0 * duration + race.travel_time[1], duration, "s"),
     )
-    passed = at_nodes(race, Place("p", 3), grid.ends, race.goals)
-    blocks = (_steps(grid, lift), _thrust(strongest), passed)
+    passed = at_nodes(race, Place("p", 3, 3), grid.ends, race.goals)
+    blocks = (_steps(grid, lift), _thrust(strongest), *passed)
     return Mpcc(variables, blocks, (_travel_time(grid),)) + total_time(race, grid)
 
 

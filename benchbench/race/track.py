@@ -7,24 +7,84 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
+import numpy as np
 import yaml  # type: ignore[import-untyped]
 
 from benchbench.errors import BadInput, unknown_field
 
 FIELD = "scenario.track"
-GATE = ("x", "y", "z", "radius", "order")
+Triple = tuple[float, float, float]
+Direction = Literal["along", "against", "either"]
+OPENING = ("width", "height", "yaw", "normal", "direction")
+GATE = ("x", "y", "z", "radius", "order", "speed", "heading", *OPENING)
+COLUMNS = (
+    *(name for name in GATE if name not in ("speed", "normal")),
+    "speed_min",
+    "speed_max",
+    "nx",
+    "ny",
+    "nz",
+)
+"""Names in a CSV file, where a cell holds one number."""
 PARTS = ("start", "lap", "end", "radius", "gates")
 FORM = "rows of x, y, z and, where wanted, radius and order, all finite numbers in m"
 
 
 @dataclass(frozen=True)
-class Gate:
-    """A ball to be passed through: centre (x, y, z) and radius in m."""
+class Opening:
+    """A rectangle in the plane across `normal` (a unit vector): width along the horizontal, height across it, m.
 
-    position: tuple[float, float, float]
+    direction: flown "along" the normal, "against" it, or "either".
+    """
+
+    normal: Triple
+    width: float
+    height: float
+    direction: Direction = "along"
+
+    @property
+    def sides(self) -> tuple[Triple, Triple]:
+        """Unit vectors along the width and the height; of a horizontal opening x and the other."""
+        n = np.array(self.normal)
+        side = np.cross([0.0, 0.0, 1.0], n)
+        length = float(np.linalg.norm(side))
+        side = side / length if length > 1e-9 else np.array([1.0, 0.0, 0.0])
+        return _triple(side), _triple(np.cross(n, side))
+
+
+@dataclass(frozen=True)
+class Gate:
+    """To be passed through: a ball about `position`, or the rectangle `opening` there.
+
+    radius   of the ball, or of the smallest ball that holds the rectangle, m
+    speed    least and largest speed in passing, m/s
+    heading  direction of the nose over ground in passing, from the x axis, rad; kept to `HEADING`
+    """
+
+    position: Triple
     radius: float
+    opening: Opening | None = None
+    speed: tuple[float, float] | None = None
+    heading: float | None = None
+
+    @property
+    def corners(self) -> tuple[Triple, ...]:
+        """Corners of its rectangle in order, m; none of a ball."""
+        if self.opening is None:
+            return ()
+        side, up = (np.array(axis) for axis in self.opening.sides)
+        a, b = self.opening.width / 2 * side, self.opening.height / 2 * up
+        return tuple(
+            _triple(np.array(self.position) + i * a + j * b) for i, j in ((1, 1), (1, -1), (-1, -1), (-1, 1))
+        )
+
+
+HEADING = 0.1
+"""By how much the nose may be off a gate's heading, rad; as in the handover (paper Table I)."""
+EXACT = 0.02
+"""Half the range of speeds, m/s, that a single speed stands for."""
 
 
 @dataclass(frozen=True)
@@ -32,17 +92,19 @@ class Track:
     """Gates of one lap in order; start and end (x, y, z) in m and the number of gates where a file names them."""
 
     lap: tuple[Gate, ...]
-    start: tuple[float, float, float] | None = None
-    end: tuple[float, float, float] | None = None
+    start: Triple | None = None
+    end: Triple | None = None
     gates: int | None = None
 
 
 def read(source: str | Path | Sequence[Any], radius: float) -> Track:
     """Return the track that a path (.yaml, .yml, .csv) or a list of gates gives; raises BadInput.
 
-    A gate is [x, y, z] or a mapping with x, y, z and optionally radius (else `radius`) and order. A CSV file has
-    these names as its header. With `order` gates are sorted by it, else they are passed as they are listed. A YAML
-    file holds such a list, or a mapping with `lap` and optionally start, end, radius, gates.
+    A gate is [x, y, z] or a mapping of the names in `GATE`: x, y, z and optionally radius (else `radius`) and order; width
+    and height of a rectangle with yaw or normal, and direction; speed, a number or [least, largest]; heading. A CSV file
+    has the names in `COLUMNS` as its header, and empty cells where a gate has none. With `order` gates are sorted by it,
+    else they are passed as they are listed. A YAML file holds such a list, or a mapping with `lap` and optionally start,
+    end, radius, gates.
     """
     if not isinstance(source, str | Path):
         return Track(_gates(source, radius))
@@ -61,14 +123,31 @@ def read(source: str | Path | Sequence[Any], radius: float) -> Track:
 def _csv(text: str, radius: float) -> Track:
     rows = list(csv.reader(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
     header = [name.strip() for name in rows[0]] if rows else []
-    if header[:3] != ["x", "y", "z"] or not set(header) <= set(GATE) or len(set(header)) < len(header):
+    for name in header[3:]:
+        if name not in COLUMNS:
+            raise unknown_field(f"{FIELD}.{name}", COLUMNS)
+    if header[:3] != ["x", "y", "z"] or len(set(header)) < len(header):
         raise BadInput(
-            FIELD, f"has the header '{','.join(header)[:60]}'", "x,y,z, then radius and order if wanted"
+            FIELD, f"has the header '{','.join(header)[:60]}'", f"x,y,z, then of {', '.join(COLUMNS[3:])}"
         )
     for number, row in enumerate(rows[1:], 1):
         if len(row) != len(header):
             raise BadInput(f"{FIELD}, gate {number}", f"has {len(row)} columns", ",".join(header))
-    return Track(_gates([dict(zip(header, row, strict=True)) for row in rows[1:]], radius))
+    return Track(_gates([_cells(header, row) for row in rows[1:]], radius))
+
+
+def _cells(header: Sequence[str], row: Sequence[str]) -> dict[str, Any]:
+    """Fields of a gate from the cells of a row."""
+    cells: dict[str, Any] = {
+        name: text.strip() for name, text in zip(header, row, strict=True) if text.strip()
+    }
+    speed, normal = (
+        [cells.pop(name, None) for name in names]
+        for names in (("speed_min", "speed_max"), ("nx", "ny", "nz"))
+    )
+    if any(speed):
+        cells["speed"] = [speed[0] or 0.0, math.inf if speed[1] is None else speed[1]]
+    return cells | ({"normal": normal} if any(normal) else {})
 
 
 def _yaml(text: str, radius: float) -> Track:
@@ -111,26 +190,89 @@ def _gate(row: Any, field: str, radius: float) -> tuple[float | None, Gate]:
     for key in row:
         if key not in GATE:
             raise unknown_field(f"{field}.{key}", GATE)
+    row = {name: value for name, value in row.items() if value is not None}
     position = _point([row.get(axis) for axis in "xyz"], field)
-    own = _number(row.get("radius", radius), f"{field}, radius")
-    if not own > 0:
-        raise BadInput(f"{field}, radius", f"{own:g} m was given", "a radius above 0 m")
-    order = row.get("order")
-    return None if order is None else _number(order, f"{field}, order"), Gate(position, own)
+    opening = _opening(row, field)
+    if opening is None:
+        own = _above(row.get("radius", radius), f"{field}, radius")
+    elif "radius" in row:
+        raise BadInput(f"{field}, radius", "is given beside width and height", "a ball or a rectangle")
+    else:
+        own = math.hypot(opening.width, opening.height) / 2
+    speed = None if "speed" not in row else _range(row["speed"], f"{field}, speed")
+    heading = (
+        None if "heading" not in row else _number(row["heading"], f"{field}, heading", "an angle in rad")
+    )
+    order = None if "order" not in row else _number(row["order"], f"{field}, order")
+    return order, Gate(position, own, opening, speed, heading)
 
 
-def _point(values: Any, field: str) -> tuple[float, float, float]:
+def _opening(row: Mapping[str, Any], field: str) -> Opening | None:
+    if not any(name in row for name in OPENING):
+        return None
+    for name in ("width", "height"):
+        if name not in row:
+            raise BadInput(
+                f"{field}, {name}", "is missing", "width, height, and yaw or normal of a rectangle"
+            )
+    if ("yaw" in row) == ("normal" in row):
+        problem = "are both given" if "yaw" in row else "are both missing"
+        raise BadInput(
+            f"{field}, yaw and normal", problem, "one of the two, for the direction across a rectangle"
+        )
+    if "yaw" in row:
+        yaw = _number(row["yaw"], f"{field}, yaw", "an angle in rad")
+        normal = (math.cos(yaw), math.sin(yaw), 0.0)
+    else:
+        given = np.array(_point(row["normal"], f"{field}, normal"))
+        if not np.linalg.norm(given) > 0:
+            raise BadInput(f"{field}, normal", f"{row['normal']!r} was given", "a direction [nx, ny, nz]")
+        normal = _triple(given / np.linalg.norm(given))
+    direction = row.get("direction", "along")
+    if direction not in get_args(Direction):
+        raise BadInput(f"{field}, direction", f"{direction!r} was given", ", ".join(get_args(Direction)))
+    width, height = (_above(row[name], f"{field}, {name}") for name in ("width", "height"))
+    return Opening(normal, width, height, direction)
+
+
+def _range(given: Any, field: str) -> tuple[float, float]:
+    """Least and largest speed; a number stands for itself to `EXACT`."""
+    allowed = "a speed in m/s, or [least, largest]"
+    if isinstance(given, Sequence) and not isinstance(given, str) and len(given) == 2:
+        low = _number(given[0], field, allowed)
+        high = math.inf if given[1] in (None, math.inf) else _number(given[1], field, allowed)
+    else:
+        value = _number(given, field, allowed)
+        low, high = max(value - EXACT, 0.0) if value >= 0 else value, value + EXACT
+    if not 0 <= low < high:
+        raise BadInput(field, f"{given!r} was given", f"{allowed}, none below 0, the first below the second")
+    return low, high
+
+
+def _above(value: Any, field: str) -> float:
+    number = _number(value, field)
+    if not number > 0:
+        raise BadInput(field, f"{number:g} m was given", f"a {field.rpartition(' ')[2]} above 0 m")
+    return number
+
+
+def _triple(values: Any) -> Triple:
+    x, y, z = map(float, values)
+    return x, y, z
+
+
+def _point(values: Any, field: str) -> Triple:
     if not isinstance(values, Sequence) or isinstance(values, str) or len(values) != 3:
         raise BadInput(field, f"{values!r} was given", FORM)
     x, y, z = (_number(value, field) for value in values)
     return x, y, z
 
 
-def _number(value: Any, field: str) -> float:
+def _number(value: Any, field: str, allowed: str = FORM) -> float:
     try:
         number = float(value) if not isinstance(value, bool) else math.nan
     except (TypeError, ValueError):
         number = math.nan
     if not math.isfinite(number):
-        raise BadInput(field, f"{value!r} was given", FORM)
+        raise BadInput(field, f"{value!r} was given", allowed)
     return number

@@ -12,20 +12,24 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
+from benchbench.certificate.gates import passes
 from benchbench.certificate.replay import Replay
 from benchbench.model import Model
 from benchbench.plan import Array, Plan, bezier
 from benchbench.race.scenario import Race
+from benchbench.race.track import Gate
 from benchbench.report.style import BAD, CURVES, GOOD, INK, LIMIT, TARGET
 
 WIDTH_IN, HEIGHT_IN = 14.0, 8.2
 SPEEDS = "plasma"
 RATES = ("wx", "wy", "wz")
+NEAR = 0.01
+"""A gate is marked where it is passed with at most this beyond its edge, m."""
 
 
 @dataclass(frozen=True)
 class Flight:
-    """What is drawn: times (m,) s, positions (m, 3) m, speeds (m,) m/s; nodes at gates and their times."""
+    """What is drawn: times (m,) s, positions (m, 3) m, velocities (m, n) m/s; times at gates."""
 
     plan: Plan
     race: Race
@@ -46,7 +50,8 @@ def race_figure(
 ) -> Figure:
     """Lay the page out."""
     flown = plan if replay is None else replay
-    marks = plan.time[[k for k in race.gate_nodes() if k < len(plan.time)]]
+    found = passes(flown.time, flown.configuration[:, :3], race.goals, NEAR)
+    marks = np.array([one.time for one in found if one.inside])
     flight = Flight(plan, race, model, flown.time, flown.configuration[:, :3], flown.velocity, marks)
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.04)
     figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), layout=layout, facecolor="white")
@@ -102,7 +107,7 @@ def _track(axes: Axes3D, flight: Flight) -> None:
     labels: dict[tuple[float, float, float], list[str]] = {}
     for number, gate in enumerate(gates, 1):
         labels.setdefault(gate.position, []).append("end" if number == len(gates) else str(number))
-        _ball(axes, np.array(gate.position), gate.radius)
+        _gate(axes, gate)
     labels.setdefault(flight.race.start_position, []).append("start")
     for place, names in labels.items():
         axes.text(place[0], place[1], place[2] + 0.55, ", ".join(names), color=INK, fontsize=9, ha="center")
@@ -115,6 +120,20 @@ def _track(axes: Axes3D, flight: Flight) -> None:
     axes.set_box_aspect(high - low)
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.view_init(elev=32, azim=-62)
+
+
+def _gate(axes: Axes3D, gate: Gate) -> None:
+    """A ball, or a rectangle with an arrow in the direction that is asked for."""
+    if gate.opening is None:
+        _ball(axes, np.array(gate.position), gate.radius)
+        return
+    frame = np.array([*gate.corners, gate.corners[0]])
+    axes.plot(*frame.T, color=TARGET, linewidth=1.6)
+    sign = {"along": 1.0, "against": -1.0, "either": 0.0}[gate.opening.direction]
+    if sign:
+        axes.quiver(
+            *gate.position, *(sign * x for x in gate.opening.normal), color=TARGET, length=0.9, linewidth=1.0
+        )
 
 
 def _ball(axes: Axes3D, centre: Array, radius: float) -> None:

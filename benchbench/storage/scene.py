@@ -121,8 +121,14 @@ def _gates(race: Race) -> SceneEntity:
             color=clear,
         )
         for gate in race.goals
+        if gate.opening is None
     ]
-    return SceneEntity(timestamp=_stamp(0), frame_id=WORLD, id="gates", spheres=balls)
+    frames = [
+        _line(np.array([*gate.corners, gate.corners[0]]), OLIVE)
+        for gate in race.goals
+        if gate.opening is not None
+    ]
+    return SceneEntity(timestamp=_stamp(0), frame_id=WORLD, id="gates", spheres=balls, lines=frames)
 
 
 def _line(points: Array, color: Color) -> LinePrimitive:

@@ -97,7 +97,7 @@ COLUMNS: tuple[Column, ...] = (
     # certificate: races
     Column("gates", "int", "", "gates of a race before its end"),
     Column("gates_passed", "int", "", "gates passed in order on the replay"),
-    Column("gate_worst_miss_m", "float", "m", "largest distance beyond a gate's radius on the replay, negative inside"),
+    Column("gate_worst_miss_m", "float", "m", "largest distance beyond a gate's edge on the replay, negative inside"),
     # provenance
     Column("benchbench_version", "str", "", "version of BenchBench"),
     Column("python_version", "str", "", "version of Python"),
