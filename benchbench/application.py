@@ -20,6 +20,7 @@ from benchbench.execution import BAD_INPUT, CERTIFIED, execute
 from benchbench.hydra_errors import EXPECTED, explained
 from benchbench.overrides import carried
 from benchbench.sweep.job import Job
+from benchbench.sweep.single import isolated, limited
 from benchbench.sweep.sweep import Engine, here, sweep
 
 
@@ -94,7 +95,7 @@ class _Call:
 
     def __call__(self, cfg: DictConfig) -> None:
         """Run the one configuration there is."""
-        ended = execute(cfg)
+        ended = isolated(cfg) if limited(cfg) else execute(cfg)
         self.codes.append(ended.code)
         for complaint in ended.complaints:
             summary.complain(complaint.kind, complaint.text, complaint.trace if self.traced else "")

@@ -11,6 +11,10 @@ import numpy as np
 from benchbench.blocks import Compile, Derivatives, derivatives
 from benchbench.mpcc import Block, Index, Mpcc, gather
 from benchbench.plan import Array
+from benchbench.spending import spending
+
+DERIVATIVES = "derivatives"
+"""What the CPU time of taking and compiling derivatives is noted as."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,8 @@ def assemble(mpcc: Mpcc, compile: Compile = "auto", adjustable: Collection[str] 
         raise ValueError("pairs must be relaxed before assembly")
     blocks = _blocks(mpcc)
     costs = sum(1 for b in mpcc.costs if b.instances)
-    local = derivatives([b.function for b in blocks], compile)
+    with spending(DERIVATIVES):
+        local = derivatives([b.function for b in blocks], compile)
     free = _open(mpcc, adjustable)
     x, p = ca.MX.sym("x", mpcc.size), ca.MX.sym("p", 1 + sum(b.parameters.size for b in free))
     sigma, *open_numbers = ca.vertsplit(p, np.cumsum([0, 1, *(b.parameters.size for b in free)]).tolist())

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from benchbench.assemble import DERIVATIVES
 from benchbench.blocks import Compile
 from benchbench.certificate.limits import Limits
 from benchbench.dynamics import Dynamics
@@ -15,10 +16,14 @@ from benchbench.model import Model
 from benchbench.relaxation import Relaxation
 from benchbench.scenario import Scenario
 from benchbench.solver import Accuracy, Outcome, Progress, Solver
+from benchbench.spending import collecting, cpu_s
 
 if TYPE_CHECKING:
     from benchbench.guess import Guess
     from benchbench.strategy import Strategy
+
+GUESS = "guess"
+"""How the names of stages begin that only make an initial guess."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +46,20 @@ class Case:
     iteration_limit: int = 3000
 
 
+@dataclass(frozen=True)
+class Spent:
+    """CPU seconds of one solve; `functions` is None where the backend does not tell function evaluations apart."""
+
+    stage: str
+    total: float
+    functions: float | None
+
+    @property
+    def guessing(self) -> bool:
+        """The solve only made an initial guess."""
+        return self.stage.startswith(GUESS)
+
+
 @dataclass
 class Ledger:
     """What a run has spent so far, and where its progress is shown."""
@@ -48,7 +67,8 @@ class Ledger:
     time_limit: float
     watch: Watch | None = None
     build_cpu: float = 0.0
-    solve_cpu: float = 0.0
+    derivatives_cpu: float = 0.0
+    solves: list[Spent] = field(default_factory=list)
     iterations: int = 0
     evaluations: int = 0
     began: float = field(default_factory=time.perf_counter)
@@ -56,15 +76,38 @@ class Ledger:
     @contextmanager
     def building(self) -> Iterator[None]:
         """Count the CPU time of the body as construction, compilers' included."""
-        before = _cpu()
-        yield
-        self.build_cpu += _cpu() - before
+        before = cpu_s()
+        with collecting() as parts:
+            yield
+        self.build_cpu += cpu_s() - before
+        self.derivatives_cpu += parts.get(DERIVATIVES, 0.0)
 
-    def count(self, outcome: Outcome) -> None:
-        """Add a solve."""
-        self.solve_cpu += outcome.cpu_s
+    def count(self, outcome: Outcome, stage: str = "") -> None:
+        """Add a solve; a stage whose name begins with "guess" only makes an initial guess."""
+        functions = sum(outcome.times.values()) if outcome.times else None
+        self.solves.append(Spent(stage, outcome.cpu_s, functions))
         self.iterations += outcome.iterations
         self.evaluations += outcome.evaluations
+
+    @property
+    def solve_cpu(self) -> float:
+        """CPU seconds of all solves."""
+        return sum(one.total for one in self.solves)
+
+    def costs(self) -> dict[str, float | None]:
+        """Return the columns of the record that say where the CPU time went."""
+        told = [one.functions for one in self.solves if one.functions is not None]
+        functions = sum(told) if self.solves and len(told) == len(self.solves) else None
+        guess = sum(one.total for one in self.solves if one.guessing)
+        return {
+            "build_cpu_s": self.build_cpu,
+            "derivatives_cpu_s": self.derivatives_cpu,
+            "solve_cpu_s": self.solve_cpu,
+            "functions_cpu_s": functions,
+            "linear_algebra_cpu_s": None if functions is None else max(self.solve_cpu - functions, 0.0),
+            "guess_cpu_s": guess,
+            "homotopy_cpu_s": sum(one.total for one in self.solves[:-1] if not one.guessing),
+        }
 
     @property
     def seconds_left(self) -> float:
@@ -78,13 +121,3 @@ class Watch:
     def stage(self, name: str, shape: tuple[int, int] | None) -> Progress | None:
         """Start a stage; `shape` is where in x the durations stand (first, count). Returns the callback."""
         return None
-
-
-def _cpu() -> float:
-    spent = time.process_time()
-    try:
-        import resource
-    except ImportError:  # not on Windows
-        return spent
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return spent + children.ru_utime + children.ru_stime

@@ -106,7 +106,7 @@ def failure(error: Exception, cfg: DictConfig, place: Place | None, **columns: A
     code = BAD_INPUT if expected and not isinstance(error, KILLED) else NOT_CERTIFIED
     if place is None or place.stored:  # stored: only the recording or the picture is missing
         return Ended(code, None, {}, said)
-    if place.sweep or not expected:
+    if place.sweep or not expected or isinstance(error, KILLED):
         record = failed(told, place.chosen, place.labels | _sizes(cfg) | columns)
         try:
             store(record, place)

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from benchbench.errors import BenchBenchError, Crash, IncompatibleCase, OutOfMemory, Timeout, Unavailable
+from benchbench.errors import (
+    BadInput,
+    BenchBenchError,
+    Crash,
+    IncompatibleCase,
+    OutOfMemory,
+    Timeout,
+    Unavailable,
+)
 from benchbench.storage import provenance
 from benchbench.storage.schema import Record, Status, make_record
 
@@ -38,6 +46,8 @@ def status(error: BaseException) -> Status:
             return Status.CRASH
         case MemoryError() | OutOfMemory():
             return Status.OUT_OF_MEMORY
+        case BadInput():
+            return Status.BAD_INPUT
     return Status.ERROR
 
 

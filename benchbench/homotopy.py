@@ -50,7 +50,7 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str) -> Solved:
                 solve = _prepare(relaxed, case, ledger, watch)
             point = Point(np.clip(point.x, relaxed.lower, relaxed.upper))
         outcome = solve(sigma, point)
-        ledger.count(outcome)
+        ledger.count(outcome, stage)
         if not np.all(np.isfinite(outcome.point.x)):
             outcome = replace(outcome, claim="invalid", point=point)
         if outcome.claim in GOOD:

@@ -133,8 +133,7 @@ def _record(
         travel_time_s=result.plan.travel_time,
         iterations=ledger.iterations,
         evaluations=ledger.evaluations,
-        build_cpu_s=ledger.build_cpu,
-        solve_cpu_s=ledger.solve_cpu,
+        **ledger.costs(),
         peak_memory_mb=provenance.peak_memory_mb(),
         **more,
     )

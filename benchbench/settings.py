@@ -25,9 +25,9 @@ class Settings:
     repeats: int
     """Solves whose times are recorded; 1 is the one that gives the plan."""
     hard_limit: float
-    """Wall seconds after which a run of a sweep is killed."""
+    """Wall seconds after which a run is killed; null, a single run has no such limit."""
     memory_limit_mb: float | None
-    """Private memory that a run of a sweep may use, in MB (10^6 bytes)."""
+    """Private memory that a run may use, in MB (10^6 bytes)."""
 
     @classmethod
     def of(cls, cfg: DictConfig) -> Self:

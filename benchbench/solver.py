@@ -33,7 +33,7 @@ class Outcome:
     """What a backend claims; nothing here is trusted.
 
     `detail` is the backend's own status text, `evaluations` the calls of objective, constraints, their
-    derivatives and the Hessian.
+    derivatives and the Hessian, `times` their CPU seconds by function; empty where the backend does not tell.
     """
 
     claim: Claim

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchbench.analysis.costs import comparable, cost_matrix, solve_time
+from benchbench.analysis.costs import by_step, by_work, comparable, cost_matrix, solve_time
 from benchbench.analysis.means import shifted_geometric_mean, three_means
 from benchbench.analysis.naming import flatten, name_runs
 from benchbench.analysis.profiles import data_profile, performance_profile
@@ -121,6 +121,26 @@ def test_times_of_repeats_and_of_single_solves_are_never_mixed() -> None:
     assert solve_time(runs).tolist()[:2] == [0.5, 1.5]
     runs.loc[1, "solve_cpu_median_s"] = None
     assert solve_time(runs).tolist()[:2] == [1.0, 2.0]
+
+
+PARTS = {
+    "build_cpu_s": [3.0, 4.0, None, 5.0], "derivatives_cpu_s": [1.0, None, None, 2.0],
+    "solve_cpu_s": [10.0, 20.0, None, 30.0], "functions_cpu_s": [4.0, None, None, None],
+    "linear_algebra_cpu_s": [6.0, None, None, None], "certificate_cpu_s": [0.5, 0.25, None, 0.5],
+    "guess_cpu_s": [2.0, None, None, 0.0], "homotopy_cpu_s": [3.0, None, None, 0.0],
+}  # fmt: skip
+
+
+def test_parts_of_the_cost_add_up_also_for_old_records_and_silent_solvers() -> None:
+    runs = pd.DataFrame(PARTS)  # all known, an old record, a crash, a solver that tells nothing
+    whole = runs.build_cpu_s + runs.solve_cpu_s + runs.certificate_cpu_s
+    work, step = by_work(runs), by_step(runs)
+    assert work.sum(axis=1, min_count=1).equals(whole) and step.sum(axis=1, min_count=1).equals(
+        runs.solve_cpu_s
+    )
+    assert work.loc[0, ["assembly", "build", "solver"]].tolist() == [2.0, 0.0, 0.0]
+    assert work.loc[1, ["assembly", "build", "solver"]].tolist() == [0.0, 4.0, 20.0]
+    assert step["last solve"].fillna(-1.0).tolist() == [5.0, 0.0, -1.0, 30.0]
 
 
 def runs_of(*rows: dict[str, Any]) -> pd.DataFrame:

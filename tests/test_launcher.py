@@ -171,3 +171,62 @@ def test_ctrl_c_ends_the_sweep_and_its_workers(tmp_path: Path) -> None:
     assert "Traceback" not in heard
     assert records(tmp_path) == []
     assert_nothing_left(tmp_path)
+
+
+def seconds_of_the_worker(folder: Path, process: subprocess.Popen[str]) -> float:
+    """Wall seconds from the moment that a worker begins its run to its death."""
+    worker = None
+    while worker is None and process.poll() is None:
+        writing = [
+            entry for entry in map(Path, map("/proc/{}".format, processes_in(folder))) if writes_a_log(entry)
+        ]
+        worker = writing[0] if writing else None
+    began = time.monotonic()
+    while worker is not None and writes_a_log(worker):
+        time.sleep(0.01)
+    return time.monotonic() - began
+
+
+def writes_a_log(process: Path) -> bool:
+    """Whether the standard output of a process in /proc is the log of a run."""
+    try:
+        return (process / "fd" / "1").readlink().name == "output.log"
+    except OSError:
+        return False
+
+
+def test_a_single_run_ends_at_its_limit_with_a_record(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "benchbench", "+scenario=static", *BAD, "+strategy.how=native", "hard_limit=2"],
+        cwd=tmp_path, env={**os.environ, "PYTHONPATH": path_with_bad_runs()}, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    lasted = seconds_of_the_worker(tmp_path, process)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 1
+    assert said.splitlines()[0] == "benchbench: the process of the run died" and "limit of 2 s" in said
+    (record,) = records(tmp_path)
+    assert record["status"] == "timeout" and list(read(tmp_path / "results")["status"]) == ["timeout"]
+    assert 1.0 < lasted < 3.0  # the issue's word: within 1 s
+    assert_nothing_left(tmp_path)
+
+
+def test_a_single_run_keeps_its_memory_limit(tmp_path: Path) -> None:
+    asked = ("+strategy.how=memory", "memory_limit_mb=1500")
+    done = program(tmp_path, "+scenario=static", *BAD, *asked, PYTHONPATH=path_with_bad_runs())
+    assert done.returncode == 1
+    assert [r["status"] for r in records(tmp_path)] == ["out_of_memory"]
+
+
+def test_a_limit_changes_nothing_else_of_a_single_run(tmp_path: Path) -> None:
+    free, limited = tmp_path / "free", tmp_path / "limited"
+    said = []
+    for folder, more in ((free, ()), (limited, ("hard_limit=100", "memory_limit_mb=4000"))):
+        folder.mkdir()
+        done = program(folder, "+scenario=static", *QUICK, *more)
+        assert done.returncode == 1 and done.stderr == ""
+        said.append([line for line in done.stdout.splitlines() if not line.startswith(("effort", "files"))])
+    assert said[0] == said[1]
+    assert answers(free / "results").equals(answers(limited / "results"))
+    (run,) = (limited / "results" / "runs").glob("*/*")
+    assert {"config.yaml", "plan.mcap", "plan.png", "record.json"} <= {path.name for path in run.iterdir()}

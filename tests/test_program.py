@@ -239,7 +239,7 @@ def test_sweep_gives_one_row_per_combination_also_for_bad_ones(tmp_path: Path) -
     assert len(rows) == 6 and rows["run_id"].is_unique and rows["config_hash"].is_unique
     rows = rows.set_index(["scenario", "kappa_init"])
     for scenario in ("static", "linear", "circle"):
-        assert rows.loc[(scenario, 90), "status"] == "error"
+        assert rows.loc[(scenario, 90), "status"] == "bad_input"
         assert "do not fit into 20 intervals" in rows.loc[(scenario, 90), "reasons"][0]
         assert rows.loc[(scenario, 2), "claimed_success"]
     assert done.stderr.count("benchbench: bad input (run ") == 3
@@ -248,6 +248,15 @@ def test_sweep_gives_one_row_per_combination_also_for_bad_ones(tmp_path: Path) -
     assert len(lines) == 3
     assert lines[0].split()[:4] == ["2", "NOT:", "uncertified", "2.8030"]
     assert done.stdout.splitlines()[-1] == "0 of 6 runs certified"
+
+
+def test_a_refused_run_is_skipped_with_its_exit_code_unless_failed_ones_are_asked_for(tmp_path: Path) -> None:
+    sweep = ("-m", "+scenario=static", "scenario.kappa_init=90", *QUICK)
+    for more, rows, skipped in (((), 1, False), ((), 1, True), (("rerun=failed",), 2, False)):
+        done = program(tmp_path, *sweep, *more)
+        assert done.returncode == 2
+        assert ("1 of 1 runs are in the table" in done.stdout) is skipped
+        assert list(read(tmp_path / "results")["status"]) == ["bad_input"] * rows
 
 
 def test_unknown_choice_in_a_sweep_is_refused_before_the_first_run(tmp_path: Path) -> None:

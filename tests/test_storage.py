@@ -131,7 +131,7 @@ def test_record_refuses_unknown_status() -> None:
 def test_every_status_says_what_to_do() -> None:
     assert {str(s) for s in Status} == {
         "certified", "uncertified", "infeasible", "iteration_limit", "time_limit", "timeout", "crash",
-        "out_of_memory", "unavailable", "incompatible", "error",
+        "out_of_memory", "unavailable", "incompatible", "bad_input", "error",
     }  # fmt: skip
     assert all(s.message and s.remedy for s in Status)
     assert len({s.message for s in Status}) == len(Status)
@@ -256,6 +256,15 @@ def test_older_rows_still_open(tmp_path: Path) -> None:
     rows = table.read(tmp_path)
     assert rows.schema_version.tolist() == [SCHEMA_VERSION, 0]
     assert rows.iterations[0] == 3 and pd.isna(rows.iterations[1]) and "gone" not in rows
+
+
+def test_a_record_of_version_1_still_opens(tmp_path: Path) -> None:
+    path = Path(__file__).parent / "records" / "version_1.json"
+    stored, found = json.loads(path.read_text()), table.load_record(path)
+    assert found["schema_version"] == 1 and {name: found[name] for name in stored} == stored
+    assert {name for name in found if name not in stored and found[name] is not None} == set()
+    table.append(found, tmp_path)
+    assert table.read(tmp_path).travel_time_s.tolist() == [stored["travel_time_s"]]
 
 
 def test_rebuild_from_records(tmp_path: Path) -> None:

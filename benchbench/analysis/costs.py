@@ -16,6 +16,40 @@ def solve_time(runs: pd.DataFrame) -> pd.Series:
     return median if median.notna().any() and median[once.notna()].notna().all() else once
 
 
+def by_work(runs: pd.DataFrame) -> pd.DataFrame:
+    """CPU time (s) of each run by kind of work; columns that add up to all of it, NaN in a run without times.
+
+    What a solver or an old record does not tell apart stands in a column of its own.
+    """
+    build, derivatives, solve, functions, rest, certificate = (
+        runs[f"{name}_cpu_s"].astype(float)
+        for name in ("build", "derivatives", "solve", "functions", "linear_algebra", "certificate")
+    )
+    split = derivatives.notna()
+    parts = {
+        "assembly": (build - derivatives).where(split), "derivatives": derivatives, "build": build.mask(split),
+        "function evaluations": functions, "linear algebra, rest": rest, "solver": solve.mask(rest.notna()),
+        "certificate": certificate,
+    }  # fmt: skip
+    return _known(parts, solve)
+
+
+def by_step(runs: pd.DataFrame) -> pd.DataFrame:
+    """CPU time (s) inside the solver of each run by step; as in `by_work`."""
+    solve, guess, homotopy = (runs[f"{name}_cpu_s"].astype(float) for name in ("solve", "guess", "homotopy"))
+    split = guess.notna() & homotopy.notna()
+    last = (solve - guess - homotopy).where(split)
+    return _known(
+        {"guess": guess, "homotopy": homotopy, "last solve": last, "solver": solve.mask(split)}, solve
+    )
+
+
+def _known(parts: dict[str, pd.Series], total: pd.Series) -> pd.DataFrame:
+    """Parts that are not there cost nothing, where the run has times at all."""
+    table = pd.DataFrame(parts)
+    return table.fillna(0.0).where(total.notna())
+
+
 def cost_matrix(runs: pd.DataFrame, cost: str, success: str = "certified") -> pd.DataFrame:
     """Costs (problems x methods): the median over repeats, a failed run costing infinity.
 

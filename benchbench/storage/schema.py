@@ -16,7 +16,7 @@ from benchbench.storage.status import Status
 
 __all__ = ["COLUMNS", "SCHEMA_VERSION", "Column", "Record", "Status", "make_record"]
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 
 Type = Literal["int", "float", "str", "bool", "strings"]
 Record = dict[str, Any]
@@ -70,6 +70,11 @@ COLUMNS: tuple[Column, ...] = (
     Column("solve_cpu_low_s", "float", "s", "smallest CPU time of the solves of the repeats"),
     Column("solve_cpu_high_s", "float", "s", "largest CPU time of the solves of the repeats"),
     Column("peak_memory_mb", "float", "MB", "largest resident memory of the run's process (1 MB = 10^6 bytes)"),
+    Column("derivatives_cpu_s", "float", "s", "part of build_cpu_s: derivatives of the blocks, taken, compiled or read from the cache"),
+    Column("functions_cpu_s", "float", "s", "part of solve_cpu_s: objective, constraints and their derivatives evaluated; empty where the solver does not tell"),
+    Column("linear_algebra_cpu_s", "float", "s", "the rest of solve_cpu_s: linear algebra and the method's own steps; empty where the solver does not tell"),
+    Column("guess_cpu_s", "float", "s", "part of solve_cpu_s: solves that only made the initial guess"),
+    Column("homotopy_cpu_s", "float", "s", "part of solve_cpu_s: solves between the guess and the last one, the earlier steps of sigma"),
     # how large it was
     Column("n_variables", "int", "", "number of scalar unknowns of the MPCC"),
     Column("n_constraints", "int", "", "number of scalar constraints of the MPCC, pairs not counted"),

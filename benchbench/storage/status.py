@@ -69,6 +69,11 @@ class Status(StrEnum):
         "two choices of this run cannot work together",
         "change one of the two choices that `reasons` names",
     )
+    BAD_INPUT = (
+        "bad_input",
+        "the configuration asks for something that does not exist or cannot be",
+        "change the field that `reasons` names",
+    )
     ERROR = (
         "error",
         "the run stopped with an error",

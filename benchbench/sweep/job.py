@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hydra.core.hydra_config import HydraConfig
+from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 
 from benchbench.execution import Place
@@ -19,6 +20,21 @@ class Job:
     number: int
     config: DictConfig
 
+    @classmethod
+    def single(cls, case: DictConfig) -> Job:
+        """Return the one run of this call; its folder is the one that Hydra has made."""
+        config = case.copy()
+        with read_write(config), open_dict(config):
+            config.hydra = HydraConfig.get()
+            with read_write(config.hydra):
+                config.hydra.run.dir = config.hydra.runtime.output_dir
+        return cls(1, config)
+
+    @property
+    def swept(self) -> bool:
+        """One of several combinations."""
+        return bool(self.config.hydra.mode == RunMode.MULTIRUN)
+
     @property
     def case(self) -> DictConfig:
         """The configuration without Hydra's part."""
@@ -30,10 +46,11 @@ class Job:
     def place(self) -> Place:
         """Where the run stands. Raises one of `hydra_errors.EXPECTED` for a value that cannot be resolved."""
         HydraConfig.instance().set_config(self.config)
-        sweep = self.config.hydra.sweep
-        with read_write(self.config.hydra.runtime), open_dict(self.config.hydra.runtime):
-            self.config.hydra.runtime.output_dir = str(Path(str(sweep.dir), str(sweep.subdir)).absolute())
-        HydraConfig.instance().set_config(self.config)
+        if self.swept:
+            sweep = self.config.hydra.sweep
+            with read_write(self.config.hydra.runtime), open_dict(self.config.hydra.runtime):
+                self.config.hydra.runtime.output_dir = str(Path(str(sweep.dir), str(sweep.subdir)).absolute())
+            HydraConfig.instance().set_config(self.config)
         return Place.of(self.case)
 
     def settings(self) -> Settings:

@@ -16,7 +16,8 @@ ENDED_ITSELF = (
 )  # fmt: skip
 """Statuses that are an answer; a run with another one is repeated by `rerun=failed`."""
 
-REFUSED = (Status.INCOMPATIBLE, Status.UNAVAILABLE)
+REFUSED = (Status.BAD_INPUT, Status.INCOMPATIBLE, Status.UNAVAILABLE)
+"""Statuses of runs that never began; skipped, they still end the program with exit code 2."""
 
 
 def earlier(root: Path, rerun: Rerun, repeats: int) -> dict[str, int]:

@@ -52,8 +52,9 @@ def work(job: Job, settings: Settings) -> Ended:
     context = HydraContext(GlobalHydra.instance().config_loader(), Callbacks())
     folder = Path(job.config.hydra.runtime.output_dir)
     folder.mkdir(parents=True, exist_ok=True)
+    folder_key, sub_key = ("hydra.sweep.dir", "hydra.sweep.subdir") if job.swept else ("hydra.run.dir", None)
     with _output_in(folder / LOG), _memory_limit(settings.memory_limit_mb):
-        done = run_job(execute, job.config, "hydra.sweep.dir", "hydra.sweep.subdir", context)
+        done = run_job(execute, job.config, folder_key, sub_key, context)
     return done.return_value
 
 

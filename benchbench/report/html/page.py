@@ -99,7 +99,8 @@ def _sections(runs: pd.DataFrame) -> dict[str, list[Chart]]:
             profiles.performance(runs, style),
             profiles.data(runs, style),
             work_precision.chart(runs, style),
-            cost_split.chart(runs),
+            cost_split.work(runs),
+            cost_split.steps(runs),
         ],
         "travel time": [
             travel_time.chart(runs, style, "kappa_init"),

@@ -19,7 +19,7 @@ import numpy as np
 from benchbench.errors import Unavailable
 from benchbench.plan import Array
 from benchbench.solver import Claim, Outcome, Point, Prepared
-from benchbench_plugins.solvers.casadi_nlp import COMMON, claim, quiet
+from benchbench_plugins.solvers.casadi_nlp import COMMON, claim, function_times, quiet
 from benchbench_plugins.solvers.pyomo_backend_model import PyomoModel
 
 
@@ -98,6 +98,7 @@ def by_casadi(
             evaluations=calls,
             cpu_s=spent,
             detail=model.broken or str(stats["return_status"]),
+            times=function_times(stats),
         )
 
     return solve

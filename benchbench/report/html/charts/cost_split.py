@@ -1,33 +1,42 @@
-"""Where the CPU time goes."""
+"""Where the CPU time goes: by kind of work, and by step of the solution."""
 
 from __future__ import annotations
 
 import pandas as pd
 
+from benchbench.analysis.costs import by_step, by_work
 from benchbench.report.html.charts.chart import Chart, bars
 from benchbench.report.style import CURVES
-from benchbench.storage.schema import COLUMNS
-
-PARTS = {
-    c.name: c.name.removesuffix("_cpu_s").replace("_", " ") for c in COLUMNS if c.name.endswith("_cpu_s")
-}
-"""Every part of a run whose CPU time is recorded, and its name."""
 
 
-def chart(runs: pd.DataFrame) -> Chart:
-    """Draw the mean CPU time of each part, per method."""
-    title = "Where the time goes"
+def work(runs: pd.DataFrame) -> Chart:
+    """Draw the mean CPU time of each kind of work, per method."""
     text = (
-        "Mean CPU time of a run: building the problem (compiler included), the solver (derivatives, linear algebra "
-        "and all steps of the homotopy), the certificate."
+        "Mean CPU time of a run by kind of work: assembling the problem, its derivatives (taken, compiled or read from "
+        "the cache), function evaluations and the rest inside the solver (linear algebra, its own steps), the "
+        "certificate. Some solvers do not tell the two apart."
     )
-    means = runs.groupby("method", sort=False)[list(PARTS)].mean().astype(float).dropna(how="all")
+    return _chart("Where the time goes", text, runs, by_work(runs))
+
+
+def steps(runs: pd.DataFrame) -> Chart:
+    """Draw the mean CPU time in the solver of guess, homotopy and last solve, per method."""
+    text = (
+        "Mean CPU time inside the solver by step: solves that only make the initial guess, those of the homotopy "
+        "before the last one, and the last one."
+    )
+    return _chart("Where the solver's time goes", text, runs, by_step(runs))
+
+
+def _chart(title: str, text: str, runs: pd.DataFrame, parts: pd.DataFrame) -> Chart:
+    means = parts.groupby(runs.method, sort=False).mean().dropna(how="all")
+    means = means.loc[:, means.gt(0).any()]
     if means.empty:
         return Chart(title, text, missing="No run has recorded its CPU time.")
-    made = bars("CPU time [s]", len(means), PARTS.values())
-    for i, (part, name) in enumerate(PARTS.items()):
+    made = bars("CPU time [s]", len(means), map(str, means.columns))
+    for i, name in enumerate(means.columns):
         made.add_bar(
-            y=means.index.astype(str), x=means[part], name=name, orientation="h", marker={"color": CURVES[i % 6]},
+            y=means.index.astype(str), x=means[name], name=name, orientation="h", marker={"color": CURVES[i % 6]},
             hovertemplate="%{x:.3g} s<extra>" + name + "</extra>",
         )  # fmt: skip
     return Chart(title, text, made)
