@@ -307,7 +307,7 @@ def test_export(tmp_path: Path) -> None:
     assert text.reasons[0] == "x | y; z"
     lines = (tmp_path / "out/all.md").read_text().splitlines()
     assert lines[0] == "| schema_version | run_id | certified | reasons | objective |"
-    assert lines[2] == "| 1 | a | True | x \\| y; z | 0.333333 |" and len(lines) == 4
+    assert lines[2] == f"| {SCHEMA_VERSION} | a | True | x \\| y; z | 0.333333 |" and len(lines) == 4
     meanings = pq.read_schema(tmp_path / "out/all.parquet").field("wall_s").metadata
     assert meanings[b"unit"] == b"s" and meanings[b"meaning"]
     with pytest.raises(BadInput, match="csv"):
