@@ -14,7 +14,7 @@ from benchbench.contact import Coupling, progress_index
 from benchbench.dynamics import Grid, Phase, Trajectory
 from benchbench.mpcc import Block, Mpcc
 from benchbench.plan import Array, Plan
-from benchbench.stop import Stop, spread
+from benchbench.stop import Itinerary, Stop, spread
 from benchbench.transcription import durations
 
 SHORTEST = 1e-4
@@ -77,14 +77,14 @@ def nearest_held(case: Case, start: Plan) -> Problem:
     return fixed_windows(case, start, nearest_windows(case, start))
 
 
-def phases(case: Case, start: Plan, sequence: Sequence[Stop] | None = None) -> Problem:
+def phases(case: Case, start: Plan) -> Problem:
     """Approach, contact, transfer to the next contact, ..., leave with own step sizes: smooth.
 
-    sequence: the stops that are made, in order; None: as they are listed. Each contact lasts its
-    `contact_seconds`, or kappa_init - 1 average steps, so that it means the same as in the paper's form; for
-    kappa_init = 1 it is one node between the phases.
+    The stops are those that `start` claims, in its order. Each contact lasts its `contact_seconds`, or
+    kappa_init - 1 average steps, so that it means the same as in the paper's form; for kappa_init = 1 it is one
+    node between the phases.
     """
-    made = case.scenario.itinerary.listed if sequence is None else tuple(sequence)
+    made = claimed_stops(case.scenario.itinerary, start)
     grid, contact, averaged = phase_grid(case, start.travel_time, made)
     base, trajectory = case.dynamics.transcribe(case.scenario, case.model, grid)
     problem = _at_windows(case, base.start_from(trajectory.encode(start)), trajectory, contact)
@@ -144,9 +144,18 @@ def nearest_windows(case: Case, plan: Plan) -> Windows:
     _, trajectory = _flight(case, plan)
     return {
         stop.name: nearest_window(plan, trajectory, stop.kappa_init, stop.name)
-        for stop in case.scenario.itinerary.stops
+        for stop in claimed_stops(case.scenario.itinerary, plan)
+    }
+
+
+def claimed_stops(itinerary: Itinerary, plan: Plan) -> tuple[Stop, ...]:
+    """The stops that a plan makes, in its order."""
+    first = {
+        stop: int(np.argmax(_claims(plan, stop.name) > WHOLE))
+        for stop in itinerary.stops
         if stop.name in plan.stop_names and _claims(plan, stop.name).max() > WHOLE
     }
+    return tuple(sorted(first, key=lambda stop: first[stop]))
 
 
 def _claims(plan: Plan, stop: str) -> Array:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from benchbench import formulation, guess
 from benchbench.case import Case, Ledger
 from benchbench.formulation import Problem
@@ -9,20 +11,29 @@ from benchbench.plan import Plan
 from benchbench.race import formulation as race
 from benchbench.race.point_mass import point_mass_plan
 from benchbench.race.scenario import Race
+from benchbench.stop import Stop
+
+Made = Sequence[Stop] | None
+"""Stops that are made, in order; None: as they are listed."""
 
 
-def line(case: Case) -> Plan:
+def chosen(case: Case, names: Sequence[str], field: str) -> Made:
+    """Return the stops of these names, None without any; raises BadInput where they are not what is asked for."""
+    return case.scenario.itinerary.sequence(names, field) if names else None
+
+
+def line(case: Case, made: Made = None) -> Plan:
     """Return the plain start: straight lines, at no cost."""
     if isinstance(case.scenario, Race):
         return race.straight_line(case.scenario, case)
-    return guess.straight_line(case)
+    return guess.straight_line(case, made)
 
 
-def start(case: Case, ledger: Ledger) -> Plan:
+def start(case: Case, ledger: Ledger, made: Made = None) -> Plan:
     """Return what phases start from: a straight line, or for a race the time-optimal flight of a point mass."""
     if isinstance(case.scenario, Race):
         return point_mass_plan(case.scenario, case, ledger)
-    return line(case)
+    return line(case, made)
 
 
 def phases(case: Case, plan: Plan) -> Problem:

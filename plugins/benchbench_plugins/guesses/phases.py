@@ -19,12 +19,15 @@ class Phases(Guess):
     """Solve phases, then one step size with the contact, or the gates, held at the nearest nodes; both smooth.
 
     The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
-    window on its way back.
+    window on its way back. `sequence`: the stops that are made, in order; none: as they are listed.
     """
+
+    sequence: tuple[str, ...] = ()
 
     def plan(self, case: Case, ledger: Ledger) -> Plan:
         """Two solves."""
-        start = posing.start(case, ledger)
+        made = posing.chosen(case, self.sequence, "guess.sequence")
+        start = posing.start(case, ledger, made)
         with ledger.building():
             problem = posing.phases(case, start)
         found = pose(problem, case, ledger, "guess: phases").plan
