@@ -17,12 +17,12 @@ EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "own_config"
 
 # overrides, field that the message names, what it must say besides
 REFUSED = [
-    ("", "scenario", "+scenario=NAME with NAME one of circle, linear, race, static"),
+    ("", "scenario", "+scenario=NAME with NAME one of circle, delivery, detour, first_robot, linear, race, static, two_free"),
     ("solver=ipopt", "scenario", "none was chosen"),
     ("scenario.kappa_init=3", "scenario", "none was chosen"),
-    ("+scenario=triangle", "scenario", "'triangle' does not exist; allowed: circle, linear, race, static"),
+    ("+scenario=triangle", "scenario", "'triangle' does not exist; allowed: circle, delivery, detour, first_robot, linear, race, static, two_free"),
     ("scenario=circle", "scenario", "+scenario=circle"),
-    ("+scenario=handover", "scenario", "not a scenario; allowed: circle, linear, race, static"),
+    ("+scenario=handover", "scenario", "not a scenario; allowed: circle, delivery, detour, first_robot, linear, race, static, two_free"),
     ("+scenario=static +scenario=circle", "scenario", "chosen twice"),
     ("+scenario=static solver=simplex", "solver", "'simplex' does not exist; allowed: "),
     ("+scenario=static +solver=ipopt", "solver", "solver=NAME without the plus sign"),

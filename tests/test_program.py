@@ -148,7 +148,7 @@ def test_broken_solver_leaves_a_record(tmp_path: Path, how: str, reason: str) ->
 @pytest.mark.parametrize(
     ("arguments", "field", "says"),
     [
-        (["solver=ipopt"], "scenario", "one of circle, linear, race, static"),
+        (["solver=ipopt"], "scenario", "one of circle, delivery, detour, first_robot, linear, race, static, two_free"),
         (["+scenario=static", "scenario.kapa_init=3"], "scenario.kapa_init", "perhaps 'kappa_init' is meant"),
         (["+scenario=static", "+solver.options.nonsense=1"], "solver", "No such IPOPT option: nonsense"),
         (["+scenario=static", "output=/proc/nope"], "output", "a folder you may write to"),
@@ -185,7 +185,7 @@ def test_traceback_is_shown_when_asked(tmp_path: Path) -> None:
 def test_without_arguments_it_explains_itself(tmp_path: Path) -> None:
     done = program(tmp_path)
     assert_refused(done, "scenario", "+scenario=NAME")
-    assert "+scenario    circle, linear, race, static" in done.stdout
+    assert "+scenario    circle, delivery, detour, first_robot, linear, race, static, two_free" in done.stdout
     assert not list(tmp_path.iterdir())
 
 
