@@ -111,6 +111,14 @@ class Dynamics(ABC):
     needs_lagrangian: ClassVar[bool] = False
     """Variational integrators discretise the Lagrangian; a model without one is refused."""
 
+    needs_vector_space: ClassVar[bool] = False
+    """It adds configurations, so that dq/dt has to be v; a model on a manifold (quaternions) is refused."""
+
+    def accepts(self, model: Model) -> bool:
+        """Whether it can transcribe this model."""
+        lacks = self.needs_lagrangian and not model.has_lagrangian
+        return not (lacks or (self.needs_vector_space and model.has_quasi_velocities))
+
     @property
     @abstractmethod
     def order(self) -> int:

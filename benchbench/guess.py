@@ -64,8 +64,8 @@ def _over(case: Case, stop: Stop, time: float) -> Array:
     over = start.copy()
     names = model.configuration.names
     xyz = [names.index(k) for k in ("x", "y", "z")]
-    hang = model.plant().tool(start, np.zeros_like(start))[0] - start[xyz]
+    hang = model.plant().tool(start, np.zeros(len(model.velocity.names)))[0] - start[xyz]
     over[xyz] = target - hang + [0.0, 0.0, ABOVE]
-    if "yaw" in names and np.hypot(*way[:2]) > 0.0:
-        over[names.index("yaw")] = np.arctan2(way[1], way[0])
+    if np.hypot(*way[:2]) > 0.0:
+        over = model.headed(over, float(np.arctan2(way[1], way[0])))
     return over

@@ -36,7 +36,8 @@ class Model(ABC):
 
     A model that has no Lagrangian gives `acceleration` instead; variational dynamics then refuse it.
     Symbols are CasADi SX columns: q (n_q), v (n_v), u (n_u). SI units, angles in rad. Usually v = dq/dt; a model
-    with quasi-velocities (body rates beside a quaternion) says by `kinematics` what dq/dt is, and has no Lagrangian here.
+    with quasi-velocities (body rates beside a quaternion) says by `kinematics` what dq/dt is, linear in v, and by
+    `difference` and `constraint` where its configurations live; L and Q are then functions of, and dual to, v.
     """
 
     name: str
@@ -68,9 +69,40 @@ class Model(ABC):
         """Return q moved back to where configurations live (unit quaternions): q itself, unless overridden."""
         return q
 
+    def difference(self, q0: ca.SX, q1: ca.SX) -> ca.SX:
+        """Return the constant v (n_v,) that leads from q0 to q1 in unit time: q1 - q0, unless overridden.
+
+        Odd, difference(q0, q1) = -difference(q1, q0), and exact to second order are enough.
+        """
+        return q1 - q0
+
+    def constraint(self, q: ca.SX) -> ca.SX:
+        """Return what is zero (m,) where configurations live (|quaternion|^2 - 1): nothing, unless overridden."""
+        return ca.SX(0, 1)
+
+    @property
+    def outputs(self) -> Coordinates:
+        """Further quantities y(q, v) with limits (body rates beside Euler angles): none, unless overridden."""
+        return box((), (), [], [])
+
+    def output(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        """Return y(q, v), in the order of `outputs`."""
+        return ca.SX(0, 1)
+
+    def output_limits(self, flown: Array) -> tuple[Array, Array]:
+        """Lower and upper limits of y, each (n, n_y), as `velocity_limits`."""
+        return np.tile(self.outputs.lower, (len(flown), 1)), np.tile(self.outputs.upper, (len(flown), 1))
+
     def origin(self) -> Array:
         """Return the configuration (n_q,) in which a scenario's unnamed coordinates are: 0, unless overridden."""
         return np.zeros(len(self.configuration.names))
+
+    def headed(self, q: Array, heading: float) -> Array:
+        """Return q (n_q,) turned to a heading in rad, to guess handovers: sets yaw where there is one."""
+        turned = q.copy()
+        if "yaw" in self.configuration.names:
+            turned[self.configuration.index("yaw")] = heading
+        return turned
 
     def fixed_at_rest(self) -> NDArray[np.bool_]:
         """Which coordinates (n_q,) a place to rest at fixes: all, unless overridden (heading left free)."""
@@ -103,19 +135,44 @@ class Model(ABC):
 
     def acceleration(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
         """Return dv/dt, shape (n_v,): by the Euler-Lagrange equations (paper Eq. 13-14), unless overridden."""
-        lagrangian = self.lagrangian(q, v)
-        momentum = ca.gradient(lagrangian, v)
-        bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q)
-        return ca.solve(ca.jacobian(momentum, v), self.force(q, v, u) - bias)
+        momentum = ca.gradient(self.lagrangian(q, v), v)
+        drift = ca.jtimes(momentum, q, self.kinematics(q, v))
+        return ca.solve(ca.jacobian(momentum, v), self.momentum_rate(q, v, u) - drift)
+
+    def momentum_rate(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
+        """Return d/dt dL/dv, shape (n_v,): dL/dq + Q, and where v is not dq/dt the Boltzmann-Hamel terms.
+
+        With dq/dt = K(q) v and v = P(q) dq/dt: K^T dL/dq + Q + K^T (A^T - A) dq/dt, A = d(P^T dL/dv)/dq
+        (for body rates that is the momentum crossed with omega).
+        """
+        lagrangian, rate = self.lagrangian(q, v), self.kinematics(q, v)
+        slope = ca.gradient(lagrangian, q)
+        if not self.has_quasi_velocities:
+            return slope + self.force(q, v, u)
+        other, fixed = ca.SX.sym("other", q.shape[0]), ca.SX.sym("momentum", v.shape[0])
+        inverse = ca.substitute(ca.jacobian(self.difference(q, other), other), other, q)
+        curl = ca.jacobian(inverse.T @ fixed, q)
+        twist = ca.substitute((curl.T - curl) @ rate, fixed, ca.gradient(lagrangian, v))
+        return ca.jacobian(rate, v).T @ (slope + twist) + self.force(q, v, u)
 
     @property
     def has_lagrangian(self) -> bool:
         """Whether `lagrangian` is given."""
         return type(self).lagrangian is not Model.lagrangian
 
+    @property
+    def has_acceleration(self) -> bool:
+        """Whether the model gives `acceleration` itself, without a mass matrix to be inverted."""
+        return type(self).acceleration is not Model.acceleration
+
+    @property
+    def has_quasi_velocities(self) -> bool:
+        """Whether v is something else than dq/dt."""
+        return self.velocity.names != self.configuration.names
+
     @abstractmethod
     def force(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
-        """Return the generalised force Q(q, v, u), shape (n_q,), by virtual work."""
+        """Return the generalised force Q(q, v, u), shape (n_v,), by virtual work: Q . v is its power."""
 
     @abstractmethod
     def tool(self, q: ca.SX) -> ca.SX:
@@ -145,6 +202,10 @@ class Plant(ABC):
         """Return dq/dt, shape (..., n_q): v itself, unless overridden."""
         return v
 
+    def output(self, q: Array, v: Array) -> Array:
+        """Return the model's further limited quantities, shape (..., n_y): none, unless overridden."""
+        return np.zeros((*q.shape[:-1], 0))
+
     @abstractmethod
     def tool(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Return position (..., 3) m and velocity (..., 3) m/s of the end effector."""
@@ -159,7 +220,7 @@ class Plant(ABC):
 
 
 def mass_matrix(model: Model, q: ca.SX, v: ca.SX) -> ca.SX:
-    """Return M(q) = d2L/dv2, shape (n_q, n_q)."""
+    """Return M(q) = d2L/dv2, shape (n_v, n_v)."""
     return ca.hessian(model.lagrangian(q, v), v)[0]
 
 

@@ -29,7 +29,14 @@ from benchbench.mpcc import Block, Mpcc, Slot, Variable, rows
 from benchbench.plan import Array, Interpolation, Plan, bernstein
 from benchbench.scenario import Scenario
 from benchbench.tableau import Tableau
-from benchbench.transcription import NodalTrajectory, cost, nodal_variables, own_duration, total_time
+from benchbench.transcription import (
+    NodalTrajectory,
+    cost,
+    nodal_variables,
+    output_limits,
+    own_duration,
+    total_time,
+)
 
 Inputs = Literal["interval", "linear", "polynomial"]
 INTERPOLATION: dict[Inputs, Interpolation] = {"interval": "hold", "linear": "linear", "polynomial": "bezier"}
@@ -60,6 +67,7 @@ def transcribe(
     mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, every, stride)) + total_time(
         scenario, grid
     )
+    mpcc += output_limits(scenario, model, grid)
     nodal = NodalTrajectory(grid, model, INTERPOLATION[inputs], control_points=stride)
     return mpcc, StageTrajectory(nodal, stages)
 
@@ -200,7 +208,7 @@ def _positions(name: str, stages: Stages, model: Model, end: Slot, weights: Arra
 def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Iterator[Block]:
     """H (d/dt dL/dv - dL/dq - Q) = 0 at every stage of every interval; p = [step weights, c_i].
 
-    Without a Lagrangian W - H d2q/dt2 = 0.
+    Where the model gives its acceleration W - H dv/dt = 0.
     """
     n, n_u, count = stages.n["v"], len(model.inputs.names), stages.grid.intervals
     q, v, w = ca.SX.sym("q", stages.n["q"]), ca.SX.sym("v", n), ca.SX.sym("w", n)
@@ -208,13 +216,12 @@ def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Itera
     duration, p = ca.SX.sym("T"), ca.SX.sym("p", 2)
     h, c = p[0] * duration, p[1]
     here = sum((weight * point for weight, point in zip(bernstein(len(u), c), u, strict=True)), ca.SX(0))
-    if model.has_lagrangian:
-        lagrangian = model.lagrangian(q, v)
-        momentum = ca.gradient(lagrangian, v)
-        bias = ca.jtimes(momentum, q, v) - ca.gradient(lagrangian, q) - model.force(q, v, here)
-        residual = ca.jtimes(momentum, v, w) + h * bias
-    else:
+    if model.has_acceleration:
         residual = w - h * model.acceleration(q, v, here)
+    else:
+        momentum = ca.gradient(model.lagrangian(q, v), v)
+        drift = ca.jtimes(momentum, q, model.kinematics(q, v))
+        residual = ca.jtimes(momentum, v, w) + h * (drift - model.momentum_rate(q, v, here))
     function = ca.Function(
         "euler_lagrange", [ca.vertcat(q, v, w, *u, duration), p, ca.SX.sym("sigma")], [residual]
     )

@@ -153,8 +153,9 @@ class Scenario(BaseModel):
 
     def ends(self, model: Model) -> Ends:
         """Bounds of the last node: the end point, at rest."""
-        end, rest = self.end_point(model), np.zeros(len(model.velocity.names))
-        return Ends(end, end, rest, rest)
+        end, rest, box = self.end_point(model), np.zeros(len(model.velocity.names)), self.limits(model)
+        low, high = (np.where(model.fixed_at_rest(), end, bound) for bound in (box.lower, box.upper))
+        return Ends(low, high, rest, rest)
 
     def flown(self, model: Model, nodes: int) -> Array:
         """Nominal metres flown at each of `nodes` nodes, (nodes,): shares of the nominal path."""
@@ -190,10 +191,20 @@ class Scenario(BaseModel):
         share = self._rate_shares(model)
         return lower * share, upper * share
 
+    def planned_outputs_at(self, model: Model, flown: Array) -> tuple[Array, Array]:
+        """Return limits of the model's outputs in the same way, each (n, n_y)."""
+        lower, upper = model.output_limits(flown)
+        share = self._shares(model.outputs, model.velocity)
+        return lower * share, upper * share
+
     def _rate_shares(self, model: Model) -> Array:
-        share = np.ones(len(model.velocity.names))
+        return self._shares(model.velocity, model.outputs)
+
+    def _shares(self, of: Coordinates, other: Coordinates) -> Array:
+        share = np.ones(len(of.names))
         for name, margin in self.rate_margin.items():
-            share[coordinate(name, model.velocity, "scenario.rate_margin")] -= margin
+            if name not in other.names:
+                share[coordinate(name, of, "scenario.rate_margin")] -= margin
         return share
 
 

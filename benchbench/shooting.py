@@ -12,7 +12,14 @@ from benchbench.mpcc import Mpcc
 from benchbench.plan import Array, bernstein
 from benchbench.scenario import Scenario
 from benchbench.tableau import Tableau
-from benchbench.transcription import NodalTrajectory, cost, each_interval, nodal_variables, total_time
+from benchbench.transcription import (
+    NodalTrajectory,
+    cost,
+    each_interval,
+    nodal_variables,
+    output_limits,
+    total_time,
+)
 
 
 def transcribe(
@@ -34,6 +41,7 @@ def transcribe(
     block = each_interval("shooting", grid, model, 1 if held else 2, rows, "m, rad, m/s, rad/s")
     variables = nodal_variables(scenario, model, grid, count)
     mpcc = Mpcc(variables, (block,), cost(scenario, model, grid, count)) + total_time(scenario, grid)
+    mpcc += output_limits(scenario, model, grid)
     return mpcc, NodalTrajectory(grid, model, "hold" if held else "linear")
 
 

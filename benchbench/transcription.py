@@ -179,6 +179,22 @@ def total_time(scenario: Scenario, grid: Grid) -> Mpcc:
     return Mpcc((), (Block("total_time", function, (durations(grid, 1),), np.zeros((1, 0)), low, high, "s"),))
 
 
+def output_limits(scenario: Scenario, model: Model, grid: Grid) -> Mpcc:
+    """Limit the model's outputs y(q_k, v_k) at every node but the first, which is given."""
+    if not model.outputs.names:
+        return Mpcc()
+    low, high = scenario.planned_outputs_at(model, scenario.flown(model, grid.intervals + 1))
+    finite = np.flatnonzero(np.isfinite(low).any(axis=0) | np.isfinite(high).any(axis=0)).tolist()
+    q, v = ca.SX.sym("q", len(model.configuration.names)), ca.SX.sym("v", len(model.velocity.names))
+    z, nodes = ca.vertcat(q, v), range(1, grid.intervals + 1)
+    function = ca.Function(
+        "outputs", [z, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [model.output(q, v)[finite]]
+    )
+    slots = (rows("q", q.shape[0], nodes), rows("v", v.shape[0], nodes))
+    none, bottom, top = np.zeros((len(nodes), 0)), low[1:, finite], high[1:, finite]
+    return Mpcc((), (Block("outputs", function, slots, none, bottom, top, "rad, rad/s"),))
+
+
 def each_interval(
     name: str, grid: Grid, model: Model, inputs_per_interval: int, rule: Callable[..., ca.SX], unit: str,
     bounds: tuple[float, float] = (0.0, 0.0),

@@ -67,14 +67,8 @@ def _vehicle(case: Case) -> None:
     if missing := [axis for axis in AXES if axis not in model.configuration.names]:
         problem = f"'{case.names['vehicle']}' has no coordinate {missing[0]} and cannot fly this scenario"
         raise IncompatibleCase("vehicle", problem, "a vehicle with the coordinates x, y, z")
-    if case.dynamics.needs_lagrangian and not model.has_lagrangian:
-        problem = f"'{case.names['dynamics']}' needs a Lagrangian, which the vehicle '{case.names['vehicle']}' lacks"
-        able = [
-            p.name
-            for p in registry.installed("dynamics")
-            if p.kind and not getattr(p.kind, "needs_lagrangian", False)
-        ]
-        raise IncompatibleCase("dynamics", problem, ", ".join(able))
+    if not case.dynamics.accepts(model):
+        _unsuitable_dynamics(case)
     scenario.limits(model)
     scenario.planned_rates(model)
     limits = model.inputs
@@ -86,6 +80,19 @@ def _vehicle(case: Case) -> None:
             raise BadInput(
                 "vehicle", problem, f"its limits, {low:g} to {high:g} {unit}, wide enough for that"
             )
+
+
+def _unsuitable_dynamics(case: Case) -> None:
+    dynamics, vehicle = case.names["dynamics"], case.names["vehicle"]
+    lacks = not case.model.has_lagrangian
+    flag = "needs_lagrangian" if lacks else "needs_vector_space"
+    able = [p.name for p in registry.installed("dynamics") if p.kind and not getattr(p.kind, flag, False)]
+    problem = (
+        f"'{dynamics}' needs a Lagrangian, which the vehicle '{vehicle}' lacks"
+        if lacks
+        else f"'{dynamics}' adds coordinates, which the quaternions of the vehicle '{vehicle}' do not allow"
+    )
+    raise IncompatibleCase("dynamics", problem, ", ".join(able))
 
 
 def _pose(which: str, q: Array, case: Case) -> None:

@@ -5,7 +5,8 @@ With nodal velocities as unknowns the discrete Legendre transforms (paper Eq. 17
     leaving node k:      dL/dv(q_k, v_k)         + D_1 L_d + f^-  = 0
     arriving at k + 1:   dL/dv(q_{k+1}, v_{k+1}) - D_2 L_d - f^+  = 0
 
-Eliminating v gives the forced discrete Euler-Lagrange equations and boundary conditions (paper Eq. 16, 19).
+Eliminating v gives the forced discrete Euler-Lagrange equations and boundary conditions (paper Eq. 16, 19). On a
+manifold D_1, D_2 are derivatives along dq/dt = K(q) v, and rows keep the nodes where configurations live.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from benchbench.transcription import (
     cost,
     each_interval,
     nodal_variables,
+    output_limits,
     total_time,
 )
 
@@ -35,7 +37,7 @@ Inputs = Literal["interval", "nodal", "averaged"]
 
 @dataclass(frozen=True)
 class Discrete:
-    """One interval: D_1 L_d and D_2 L_d (n_q,), and where the discrete forces are taken.
+    """One interval: D_1 L_d and D_2 L_d (n_v,), and where the discrete forces are taken.
 
     `left`, `right` are (q, v) pairs; the forces are f^- = h/2 Q(left, u), f^+ = h/2 Q(right, u).
     """
@@ -60,8 +62,10 @@ def transcribe(
     variables = nodal_variables(scenario, model, grid, input_rows, velocity == "nodal")
     rows = _legendre_rows(model, rule, inputs)
     legendre = each_interval(name, grid, model, 1 if held else 2, rows, "kg m/s, kg m^2/s")
+    places = _places(model, grid) if model.has_quasi_velocities else ()
     limits = () if velocity == "nodal" else (_mean_limits(scenario.planned_rates(model), model, grid),)
-    mpcc = Mpcc(variables, (legendre, *limits), cost(scenario, model, grid, input_rows))
+    mpcc = Mpcc(variables, (legendre, *places, *limits), cost(scenario, model, grid, input_rows))
+    mpcc += output_limits(scenario, model, grid)
     trajectory = NodalTrajectory(grid, model, "hold" if held else "linear", velocity)
     return mpcc + total_time(scenario, grid), trajectory
 
@@ -83,13 +87,21 @@ def _legendre_rows(model: Model, rule: Rule, inputs: Inputs) -> Callable[..., ca
 
 
 def _lagrangian_gradients(model: Model) -> tuple[Gradient, Gradient]:
-    n = len(model.configuration.names)
-    q, v = ca.SX.sym("q", n), ca.SX.sym("v", n)
+    q, v = ca.SX.sym("q", len(model.configuration.names)), ca.SX.sym("v", len(model.velocity.names))
     lagrangian = model.lagrangian(q, v)
     return (
         ca.Function("momentum", [q, v], [ca.gradient(lagrangian, v)]),
         ca.Function("slope", [q, v], [ca.gradient(lagrangian, q)]),
     )
+
+
+def _places(model: Model, grid: Grid) -> tuple[Block, ...]:
+    """Zero where configurations live, at the right node of every interval."""
+
+    def rule(q0: ca.SX, v0: ca.SX, q1: ca.SX, v1: ca.SX, u: ca.SX, h: ca.SX) -> ca.SX:
+        return model.constraint(q1)
+
+    return (each_interval("constraint", grid, model, 1, rule, "1"),)
 
 
 def _mean_limits(limits: Coordinates, model: Model, grid: Grid) -> Block:

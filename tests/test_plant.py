@@ -15,8 +15,10 @@ from scipy.spatial.transform import Rotation
 
 from benchbench.plan import Array
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator
-from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant, body_rates, rotation
+from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
+from benchbench_plugins.models.attitude_plant import Angles
 
+ANGLES = Angles()
 PHYSICAL = TABLE_I | {"quadrotor_inertia": (0.0348, 0.0459, 0.0717), "arm_inertia": (0.0007, 0.0019, 0.0015)}
 MJCF = """
 <mujoco><option gravity="0 0 -9.8066"/><compiler angle="radian" balanceinertia="false"/><worldbody>
@@ -37,6 +39,14 @@ def random_states(count: int, seed: int = 0) -> tuple[Array, Array, Array]:
     q = draw.uniform([-2, -2, 0, -1, -1, -3, 0.2], [2, 2, 2, 1, 1, 3, 2.9], (count, 7))
     u = draw.uniform([0, 0, 0, 0, -2], [8, 8, 8, 8, 2], (count, 5))
     return q, draw.uniform(-3, 3, (count, 7)), u
+
+
+def rotation(q: Array) -> Array:
+    return ANGLES.rotation(q[..., 3:6])
+
+
+def body_rates(q: Array, v: Array) -> Array:
+    return ANGLES.body_rates(q[..., 3:6], v[..., 3:6])
 
 
 def engine(q: Array, v: Array, u: Array) -> tuple[mujoco.MjModel, mujoco.MjData]:

@@ -109,7 +109,9 @@ def _measures(
         "replay_defect_angle_rad": np.max(checks.angle(plan, missed.configuration)),
         "replay_drift_position_m": np.max(checks.distance(plan, drift)),
         "replay_end_error_m": checks.distance(plan, end)[0],
-        "max_rate_ratio": np.max(checks.rate_ratio(flight.velocity, model.velocity)),
+        "max_rate_ratio": np.max(
+            checks.rate_ratio(checks.all_rates(flight, model), checks.joined(model.velocity, model.outputs))
+        ),
     }
     numbers = {key: float(value) for key, value in numbers.items()}
     return numbers | stops.measures(plan, contacts, scenario.itinerary)

@@ -67,8 +67,11 @@ def planned(plan: Plan, scenario: Scenario, model: Model, limits: Limits) -> Che
         ("configuration", plan.configuration, scenario.limits(model)),
         ("velocity", plan.velocity, model.velocity),
         ("input", plan.inputs, model.inputs),
+        ("output", outputs(model, plan), model.outputs),
     )
     for kind, values, box in boxes:
+        if not box.names:
+            continue
         excess, (k, i) = worst(outside(values, box))
         what = f"planned {kind} '{box.names[i]}'"
         yield at_most(f"planned_{kind}", what, excess, limits.node, box.units[i], f" at node {k}", EXCEEDS)
@@ -87,8 +90,8 @@ def consistency(plan: Plan, missed: Defects, limits: Limits) -> Checks:
 
 def flown(plan: Plan, flight: Replay, scenario: Scenario, model: Model, limits: Limits) -> Checks:
     """Check limits between the nodes and the end, on the open-loop replay."""
-    box = scenario.limits(model)
-    excess = outside(flight.configuration, box)
+    box = joined(scenario.limits(model), model.outputs)
+    excess = outside(np.hstack([flight.configuration, outputs(model, flight)]), box)
     kinds = (("position", "m", limits.overshoot_position), ("angle", "rad", limits.overshoot_angle))
     for kind, unit, limit in kinds:
         mine = [i for i, u in enumerate(box.units) if u == unit]
@@ -96,16 +99,17 @@ def flown(plan: Plan, flight: Replay, scenario: Scenario, model: Model, limits: 
             value, (k, i) = worst(excess[:, mine])
             what = f"'{box.names[mine[i]]}'"
             yield at_most(f"replay_{kind}", what, value, limit, unit, _at(flight, k), EXCEEDS)
-    value, (k, i) = worst(rate_ratio(flight.velocity, model.velocity))
-    what = f"rate of '{plan.velocity_names[i]}'"
+    rates, box = all_rates(flight, model), joined(model.velocity, model.outputs)
+    value, (k, i) = worst(rate_ratio(rates, box))
+    what = f"rate of '{box.names[i]}'"
     yield at_most("replay_rate", what, value, limits.rate_ratio, TIMES, _at(flight, k))
     missed = flight.configuration[-1:] - scenario.end_point(model)
     what = "distance from the end on the replay"
     yield at_most("replay_end", what, float(distance(plan, missed)[0]), limits.end_position, "m")
     what = "angle from the end on the replay"
     yield at_most("replay_end_angle", what, float(angle(plan, missed)[0]), limits.end_angle, "rad")
-    value, (i,) = worst(rate_ratio(flight.velocity[-1], model.velocity))
-    what = f"rate of '{plan.velocity_names[i]}' at the end of the replay"
+    value, (i,) = worst(rate_ratio(rates[-1], box))
+    what = f"rate of '{box.names[i]}' at the end of the replay"
     yield at_most("replay_end_rest", what, value, limits.end_velocity_ratio, TIMES)
 
 
@@ -153,6 +157,24 @@ def contact_flown(flight: Replay, found: Audit, limits: Limits) -> Checks:
         gap, (k,) = worst(found.replayed[name])
         limit, what = _allowed(name, contact.limit, limits), spoken(name) + stop.label
         yield at_most(f"replay_path_{name}", what, gap, limit, contact.unit, _at(flight, k))
+
+
+def outputs(model: Model, flight: Plan | Replay) -> Array:
+    """Return the plant's further limited quantities along a plan or a replay, (n, n_y)."""
+    with np.errstate(invalid="ignore"):
+        return model.plant().output(flight.configuration, flight.velocity)
+
+
+def joined(first: Coordinates, second: Coordinates) -> Coordinates:
+    """Return both, one after the other."""
+    lower, upper = (np.append(getattr(first, k), getattr(second, k)) for k in ("lower", "upper"))
+    return Coordinates((*first.names, *second.names), (*first.units, *second.units), lower, upper)
+
+
+def all_rates(flight: Replay, model: Model) -> Array:
+    """Return velocities and those outputs that are rates, 0 for the others, (m, n_v + n_y)."""
+    rate = np.array([unit.endswith("/s") for unit in model.outputs.units], bool)
+    return np.hstack([flight.velocity, np.where(rate, outputs(model, flight), 0.0)])
 
 
 def outside(values: Array, box: Coordinates) -> Array:

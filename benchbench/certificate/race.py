@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchbench.certificate.certificate import Check, at_most, worst
+from benchbench.certificate.checks import outputs
 from benchbench.certificate.gates import Pass, manner, passes
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import Replay
@@ -54,7 +55,10 @@ def planned(plan: Plan, race: Race, model: Model, limits: Limits) -> Checks:
         ("configuration", plan.configuration, box.lower, box.upper, model.configuration),
         ("velocity", plan.velocity, *model.velocity_limits(flown), model.velocity),
         ("input", plan.inputs, *model.input_limits(flown[rows]), model.inputs),
+        ("output", outputs(model, plan), *model.output_limits(flown), model.outputs),
     ):
+        if not of.names:
+            continue
         excess, (k, i) = worst(np.maximum(np.maximum(low - values, values - high), 0.0))
         what = f"planned {kind} '{of.names[i]}'"
         yield at_most(
@@ -134,12 +138,16 @@ def _input_nodes(plan: Plan) -> NDArray[np.int64]:
 
 
 def rate_ratio(plan: Plan, flight: Replay, race: Race, model: Model) -> Array:
-    """Rates on the replay over their limits there, (m, n_v); limits run linearly between the nodes."""
+    """Rates and outputs on the replay over their limits there, (m, n_v + n_y); limits run linearly between nodes."""
     node = np.interp(flight.time, plan.time, np.arange(len(plan.time)))
     metres = np.interp(node, np.arange(len(plan.time)), race.flown(model, len(plan.time)))
-    low, high = model.velocity_limits(metres)
+    low, high = (
+        np.hstack(pair)
+        for pair in zip(model.velocity_limits(metres), model.output_limits(metres), strict=True)
+    )
     half = np.maximum(high, -low)
-    return np.where(np.isfinite(half), np.abs(flight.velocity) / half, 0.0)
+    rates = np.hstack([flight.velocity, outputs(model, flight)])
+    return np.where(np.isfinite(half), np.abs(rates) / half, 0.0)
 
 
 def _between_nodes(plan: Plan, flight: Replay, race: Race, model: Model, limits: Limits) -> Checks:
@@ -153,7 +161,7 @@ def _between_nodes(plan: Plan, flight: Replay, race: Race, model: Model, limits:
     )
     value, (k, i) = worst(rate_ratio(plan, flight, race, model))
     where = f" on the replay at t={flight.time[k]:.3f} s"
-    what = f"rate of '{plan.velocity_names[i]}'"
+    what = f"rate of '{(*plan.velocity_names, *model.outputs.names)[i]}'"
     yield at_most("replay_rate", what, value, limits.rate_ratio, "times its limit", where)
 
 

@@ -61,8 +61,8 @@ def test_energy(candidate: Candidate, record_property: Record) -> None:
 def _both(candidate: Candidate, model: Candidate) -> tuple[Dynamics, Model]:
     """Dynamics and model, unless they cannot meet."""
     dynamics, vehicle = candidate.build(), model.build()
-    if dynamics.needs_lagrangian and not vehicle.has_lagrangian:
-        pytest.skip(f"{candidate.name} needs a Lagrangian")
+    if not dynamics.accepts(vehicle):
+        pytest.skip(f"{candidate.name} is not for {model.name}")
     return dynamics, vehicle
 
 

@@ -29,7 +29,7 @@ NEAR = 0.01
 
 @dataclass(frozen=True)
 class Flight:
-    """What is drawn: times (m,) s, positions (m, 3) m, velocities (m, n) m/s; times at gates."""
+    """What is drawn: times (m,) s, positions (m, 3) m, rates (m, n_v + n_y); times at gates."""
 
     plan: Plan
     race: Race
@@ -52,7 +52,8 @@ def race_figure(
     flown = plan if replay is None else replay
     found = passes(flown.time, flown.configuration[:, :3], race.goals, NEAR)
     marks = np.array([one.time for one in found if one.inside])
-    flight = Flight(plan, race, model, flown.time, flown.configuration[:, :3], flown.velocity, marks)
+    rates = np.hstack([flown.velocity, model.plant().output(flown.configuration, flown.velocity)])
+    flight = Flight(plan, race, model, flown.time, flown.configuration[:, :3], rates, marks)
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.04)
     figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), layout=layout, facecolor="white")
     header, body = figure.subfigures(2, 1, height_ratios=[0.75, HEIGHT_IN - 0.75], squeeze=False)[:, 0]
@@ -165,9 +166,10 @@ def _forces(axes: Axes, flight: Flight) -> None:
 
 
 def _rates(axes: Axes, flight: Flight) -> None:
-    names = flight.plan.velocity_names
+    names = (*flight.plan.velocity_names, *flight.model.outputs.names)
     node = np.interp(flight.time, flight.plan.time, flight.race.flown(flight.model, len(flight.plan.time)))
-    low, high = flight.model.velocity_limits(node)
+    limits = zip(flight.model.velocity_limits(node), flight.model.output_limits(node), strict=True)
+    low, high = (np.hstack(pair) for pair in limits)
     axes.set_title("Body rates  [rad/s]")
     for i, name in enumerate(n for n in RATES if n in names):
         column = names.index(name)

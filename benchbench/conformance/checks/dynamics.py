@@ -175,7 +175,10 @@ def check_limits(dynamics: Dynamics, model: Model) -> None:
     """A flight at rest keeps everything; passing any one limit at any one node is noticed."""
     first, rest = model.configuration.names[0], at_rest(model)
     fastest = next(
-        n for n, top in zip(model.velocity.names, model.velocity.upper, strict=True) if np.isfinite(top)
+        name
+        for of in (model.velocity, model.outputs)
+        for name, top in zip(of.names, of.upper, strict=True)
+        if np.isfinite(top)
     )
     scenario = scenario_of(
         model, workspace={first: (rest[0] - 0.5, rest[0] + 0.5)}, rate_margin={fastest: 0.1}, travel_time=(0.01, 30.0),
@@ -210,6 +213,25 @@ def check_limits(dynamics: Dynamics, model: Model) -> None:
                 "start or end moved",
             )
             _expect(transcribed, _moved(still, "velocity", row, 0, 0.01), True, "start or end not at rest")
+
+
+def check_outputs(dynamics: Dynamics, model: Model) -> None:
+    """A velocity that brings one limited output above or below its limit, at any node but the first, is noticed."""
+    transcribed = transcribe(dynamics, model, one_phase(6, 0.5))
+    q, v = (ca.SX.sym(k, len(of.names)) for k, of in (("q", model.configuration), ("v", model.velocity)))
+    slope = ca.Function("slope", [q, v], [ca.jacobian(model.output(q, v), v)])
+    slopes = np.asarray(slope(at_rest(model), np.zeros(v.shape[0])))
+    towards = np.linalg.pinv(slopes) if len(slopes) else np.zeros((v.shape[0], 0))
+    still = _at_rest_for(transcribed, model, 0.5)
+    for i, (low, high) in enumerate(zip(model.outputs.lower, model.outputs.upper, strict=True)):
+        for limit in (low, high):
+            if not np.isfinite(limit) or not slopes[i].any():
+                continue
+            for node, share in ((1, 0.9), (3, 1.01), (5, 1.01)):
+                velocity = still.velocity.copy()
+                velocity[node] = share * limit * towards[:, i]
+                plan = replace(still, velocity=velocity)
+                _expect(transcribed, plan, share > 1, f"{share} times the limit of {model.outputs.names[i]}")
 
 
 def check_hover_ends(dynamics: Dynamics, model: Model) -> None:
@@ -325,4 +347,4 @@ def _cost(transcribed: Transcribed, plan: Plan) -> float:
     return float(sum(np.sum(evaluate(block, transcribed.mpcc, x)) for block in transcribed.mpcc.costs))
 
 
-CHECKS = (check_reading, check_limits, check_hover_ends, check_cost, check_blocks)
+CHECKS = (check_reading, check_limits, check_outputs, check_hover_ends, check_cost, check_blocks)

@@ -2,7 +2,9 @@
 
 limits      equal lengths and names, lower <= upper, hover() within the input limits
 motion      the symbols (by the Euler-Lagrange equations, where there is a Lagrangian) give the plant's dv/dt, dq/dt
-manifold    normalised() changes nothing twice, and dq/dt keeps what it keeps
+manifold    normalised() changes nothing twice, and dq/dt keeps what it keeps; difference() inverts dq/dt, is odd and
+            exact to second order; constraint() is zero on it
+outputs     the symbols' further limited quantities are the plant's
 With a Lagrangian (models without one pass):
 Lagrangian  L = v^T M(q) v / 2 - V(q) with M symmetric positive definite
 forces      Q . v is the power that the plant's energy gains in any direction v (virtual work)
@@ -14,12 +16,13 @@ plant       batched over leading axes
 
 from __future__ import annotations
 
+import casadi as ca
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest, energies, limited, random_states, symbols
-from benchbench.model import Model
+from benchbench.model import Model, Plant
 from benchbench.plan import Array
 
 
@@ -32,10 +35,6 @@ def check_limits(model: Model) -> None:
         require(shapes == {(n,)}, f"{what}: {n} names, but units and limits have shapes {shapes}")
         require(n > 0 and len(set(of.names)) == n, f"{what}: names {of.names} repeat or are missing")
         require(np.all(of.lower <= of.upper), f"{what}: a lower limit exceeds its upper limit or is NaN")
-    if model.has_lagrangian:
-        require(
-            model.velocity.names == model.configuration.names, "a Lagrangian needs v = dq/dt, and its names"
-        )
     inputs, hover = model.inputs, np.asarray(model.hover())
     require(hover.shape == inputs.lower.shape, f"hover() has shape {hover.shape}")
     require(np.all((hover >= inputs.lower) & (hover <= inputs.upper)), f"hover() = {hover} breaks the limits")
@@ -81,18 +80,73 @@ def check_manifold(model: Model) -> None:
         )
 
 
+def check_difference(model: Model) -> None:
+    """difference(q0, q1) is odd, and (q0, q1) a time s of constant v apart give s v up to third order; constraint()."""
+    n, k = len(model.configuration.names), len(model.velocity.names)
+    q0, q1 = ca.SX.sym("q0", n), ca.SX.sym("q1", n)
+    between = ca.Function("difference", [q0, q1], [model.difference(q0, q1)])
+    place = ca.Function("constraint", [q0], [model.constraint(q0)])
+    of, (q, v, _) = symbols(model), random_states(model, 10, seed=6)
+    for start, speed in zip(q, v / np.maximum(np.abs(v).max(), 1.0), strict=True):
+        ends = [_straight(of.rate, start, speed, s) for s in (0.02, 0.01)]
+        gaps = [np.asarray(between(start, end)).ravel() for end in ends]
+        require(gaps[0].shape == (k,), f"difference() has shape {gaps[0].shape}, not {(k,)}")
+        errors = [np.max(np.abs(gap - s * speed)) for gap, s in zip(gaps, (0.02, 0.01), strict=True)]
+        require(errors[0] < 1e-4, f"difference() after 0.02 s is off by {errors[0]:.1e}")
+        require(errors[1] < errors[0] / 7 + 1e-12, f"difference() errs by {errors} at 0.02 and 0.01 s")
+        close(-gaps[0], np.asarray(between(ends[0], start)).ravel(), 1e-12, "difference(q1, q0)")
+        close(np.asarray(place(start)).ravel(), 0 * np.asarray(place(start)).ravel(), 1e-12, "constraint()")
+
+
+def _straight(rate: ca.Function, q: Array, v: Array, seconds: float) -> Array:
+    """Where constant v leads."""
+    flown = solve_ivp(
+        lambda t, y: np.asarray(rate(y, v)).ravel(), (0, seconds), q, method="DOP853", rtol=1e-13, atol=1e-14
+    )
+    return np.asarray(flown.y[:, -1])
+
+
+def check_outputs(model: Model) -> None:
+    """Names and limits fit, and the symbols' y(q, v) equal the plant's."""
+    n, k = len(model.configuration.names), len(model.velocity.names)
+    q, v = ca.SX.sym("q", n), ca.SX.sym("v", k)
+    output = ca.Function("output", [q, v], [model.output(q, v)])
+    count = len(model.outputs.names)
+    require(output.size1_out(0) == count, f"{count} names, but {output.size1_out(0)} outputs")
+    states = random_states(model, 20, seed=7)[:2]
+    ours = np.array([np.asarray(output(*state)).ravel() for state in zip(*states, strict=True)])
+    close(model.plant().output(*states), ours.reshape(20, count), 1e-9, "the plant's outputs")
+    for low, high in (model.output_limits(np.zeros(3)), model.output_limits(np.full(3, 1e3))):
+        require(low.shape == high.shape == (3, count) and np.all(low <= high), "output_limits() do not fit")
+
+
 def check_virtual_work(model: Model) -> None:
     """Q . v equals dE/dt along the plant's motion, by central differences of E; random v span all directions."""
     if not model.has_lagrangian:
         return
     of, plant = energies(model), model.plant()
     for q, v, u in zip(*random_states(model, 20, seed=1), strict=True):
-        a = plant.acceleration(q, v, u)
-        around = [float(of.energy(q + s * v + s * s / 2 * a, v + s * a)) for s in (-2e-4, -1e-4, 1e-4, 2e-4)]
+        around = [float(of.energy(*_flown(plant, q, v, u, s))) for s in (-2e-4, -1e-4, 1e-4, 2e-4)]
         power = (around[0] - 8 * around[1] + 8 * around[2] - around[3]) / 12e-4
         given = float(v @ np.asarray(of.force(q, v, u)).ravel())
         scale = 1 + abs(float(of.energy(q, v)))
         close(power / scale, given / scale, 1e-7, "power gained by the plant against Q . v")
+
+
+def _flown(plant: Plant, q: Array, v: Array, u: Array, step: float) -> tuple[Array, Array]:
+    """One Runge-Kutta step of the plant, exact to fourth order."""
+    n = len(q)
+
+    def slope(y: Array) -> Array:
+        return np.concatenate([plant.kinematics(y[:n], y[n:]), plant.acceleration(y[:n], y[n:], u)])
+
+    y = np.concatenate([q, v])
+    a = slope(y)
+    b = slope(y + step / 2 * a)
+    c = slope(y + step / 2 * b)
+    d = slope(y + step * c)
+    y = y + step / 6 * (a + 2 * b + 2 * c + d)
+    return y[:n], y[n:]
 
 
 def check_energy(model: Model) -> None:
@@ -100,19 +154,19 @@ def check_energy(model: Model) -> None:
     if not model.has_lagrangian:
         return
     of, accelerate, q0 = energies(model), symbols(model).acceleration, at_rest(model)
-    n = len(q0)
+    n, k, rate = len(q0), len(model.velocity.names), symbols(model).rate
     draw = np.random.default_rng(2)
     share = draw.uniform(0, 0.2, len(model.inputs.names))
     u = (1 - share) * model.hover() + share * limited(model.inputs)[1]
-    start = np.concatenate([q0, draw.uniform(-0.3, 0.3, n), [0.0]])
+    start = np.concatenate([q0, draw.uniform(-0.3, 0.3, k), [0.0]])
 
     def flow(t: float, y: Array) -> Array:
-        q, v = y[:n], y[n : 2 * n]
+        q, v = y[:n], y[n : n + k]
         a, force = (np.asarray(f(q, v, u)).ravel() for f in (accelerate, of.force))
-        return np.concatenate([v, a, [v @ force]])
+        return np.concatenate([np.asarray(rate(q, v)).ravel(), a, [v @ force]])
 
     end = solve_ivp(flow, (0, 0.3), start, method="DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
-    gained = float(of.energy(end[:n], end[n : 2 * n]) - of.energy(q0, start[n : 2 * n]))
+    gained = float(of.energy(end[:n], end[n : n + k]) - of.energy(q0, start[n : n + k]))
     close(gained, end[-1], 1e-8, "energy gained in 0.3 s against the work of Q")
 
 
@@ -156,6 +210,6 @@ def check_batch(model: Model) -> None:
 
 
 CHECKS = (
-    check_limits, check_mass_matrix, check_acceleration, check_manifold, check_virtual_work, check_energy, check_rest,
-    check_geometry, check_batch,
+    check_limits, check_mass_matrix, check_acceleration, check_manifold, check_difference, check_outputs,
+    check_virtual_work, check_energy, check_rest, check_geometry, check_batch,
 )  # fmt: skip

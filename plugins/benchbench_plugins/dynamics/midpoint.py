@@ -26,6 +26,7 @@ class Midpoint(Dynamics):
     inputs: Literal["interval", "averaged"] = "interval"
 
     needs_lagrangian: ClassVar[bool] = True
+    needs_vector_space: ClassVar[bool] = True
 
     @property
     def order(self) -> int:

@@ -25,7 +25,7 @@ class Rk4(Dynamics):
     form "stages": stages are unknowns (see `benchbench.runge_kutta`), which is the same method: the limits hold at
     every stage, and the inverse of the mass matrix is never needed. "shooting": stages are eliminated (see
     `benchbench.shooting`), limits hold at nodes; a third of the unknowns. "auto": shooting for a model that gives
-    its accelerations, stages for one with a Lagrangian and for polynomial inputs.
+    its accelerations, stages for one with a Lagrangian only and for polynomial inputs.
     inputs "interval", "linear" or "polynomial": see `benchbench.runge_kutta.transcribe`.
     """
 
@@ -46,7 +46,7 @@ class Rk4(Dynamics):
     def transcribe(self, scenario: Scenario, model: Model, grid: Grid) -> tuple[Mpcc, Trajectory]:
         """Return nodes, stages, their equations and the cost."""
         tableau = composed(RK4, self.steps)
-        wanted = "stages" if model.has_lagrangian else "shooting"
+        wanted = "shooting" if model.has_acceleration else "stages"
         if self.inputs == "polynomial" or (wanted if self.form == "auto" else self.form) == "stages":
             return transcribe(tableau, self.inputs, scenario, model, grid)
         return shooting.transcribe(tableau, self.inputs, scenario, model, grid)

@@ -30,6 +30,7 @@ class Verlet(Dynamics):
     """
 
     needs_lagrangian: ClassVar[bool] = True
+    needs_vector_space: ClassVar[bool] = True
 
     inputs: Inputs = "interval"
     velocity: Velocities = "nodal"

@@ -1,7 +1,8 @@
-"""Quadrotor with a one-joint arm (paper Sec. II), as a Lagrangian system in Euler angles.
+"""Quadrotor with a one-joint arm (paper Sec. II), as a Lagrangian system in two attitude coordinates.
 
-q = [x y z roll pitch yaw arm], written [p, xi, alpha] in the paper; R = Rz(psi) Ry(theta) Rx(phi) turns
-body into world coordinates; u = [f_1 .. f_4, tau_servo].
+attitude "euler": q = [x y z roll pitch yaw arm], written [p, xi, alpha] in the paper, v = dq/dt;
+attitude "quaternion": q = [x y z qw qx qy qz arm], v = [world velocity, body rates, arm rate], no singularity;
+roll, pitch and Euler rates are then outputs, with the same limits. u = [f_1 .. f_4, tau_servo].
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from typing import Any, Literal, final
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from benchbench.errors import BadInput, invalid
@@ -17,9 +19,9 @@ from benchbench.model import Coordinates, Model, Plant, box
 from benchbench.plan import Array
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
+from benchbench_plugins.models.attitude import ATTITUDES, Kind
 
-NAMES = ("x", "y", "z", "roll", "pitch", "yaw", "arm")
-UNITS = ("m", "m", "m", "rad", "rad", "rad", "rad")
+POSITION, VELOCITY, ANGLES = ("x", "y", "z"), ("vx", "vy", "vz"), ("roll", "pitch", "yaw")
 INPUTS = ("motor_1", "motor_2", "motor_3", "motor_4", "servo")
 
 
@@ -34,32 +36,54 @@ class AerialManipulator(Model):
     """
 
     def __init__(
-        self, name: str, force_model: Literal["virtual_work", "paper"] = "virtual_work", **parameters: Any
+        self,
+        name: str,
+        force_model: Literal["virtual_work", "paper"] = "virtual_work",
+        attitude: Kind = "euler",
+        **parameters: Any,
     ) -> None:
         """Take the fields of `Parameters` as keywords; raises BadInput that names a wrong field."""
         if force_model not in ("virtual_work", "paper"):
             raise BadInput("vehicle.force_model", f"'{force_model}' does not exist", "virtual_work, paper")
+        if attitude not in ATTITUDES:
+            raise BadInput("vehicle.attitude", f"'{attitude}' does not exist", ", ".join(ATTITUDES))
+        if force_model == "paper" and attitude != "euler":
+            raise BadInput("vehicle.force_model", "'paper' puts torques on Euler angles", "attitude=euler")
         try:
             self.parameters = Parameters(**parameters)
         except ValidationError as error:
             raise invalid("vehicle", error, Parameters.model_fields) from None
-        self.name, self.force_model = name, force_model
+        self.name, self.force_model, self._attitude = name, force_model, ATTITUDES[attitude]
+        self._in_angles = attitude == "euler"
 
     @property
     def configuration(self) -> Coordinates:
-        """Position is limited by the scenario's workspace only, yaw not at all."""
-        p, far = self.parameters, np.inf
-        low, high = p.arm_angle
-        return box(
-            NAMES, UNITS, [-far] * 3 + [-p.tilt] * 2 + [-far, low], [far] * 3 + [p.tilt] * 2 + [far, high]
-        )
+        """Position is limited by the scenario's workspace only, yaw and quaternions not at all."""
+        p, of = self.parameters, self._attitude
+        most = [p.tilt, p.tilt, np.inf] if self._in_angles else [np.inf] * 4
+        high = np.array([np.inf] * 3 + most + [p.arm_angle[1]])
+        low = np.append(-high[:-1], p.arm_angle[0])
+        units = ("m",) * 3 + (of.unit,) * len(of.names) + ("rad",)
+        return Coordinates((*POSITION, *of.names, "arm"), units, low, high)
 
     @property
     def velocity(self) -> Coordinates:
-        """Limits on world velocity, Euler angle rates and arm rate."""
+        """Limits on world velocity, arm rate and, where they are velocities, Euler angle rates."""
         p = self.parameters
-        most = np.array([*p.speed, *p.angular_rate, p.arm_rate])
-        return box(NAMES, tuple(f"{unit}/s" for unit in UNITS), (-most).tolist(), most.tolist())
+        names = POSITION + ANGLES if self._in_angles else VELOCITY + self._attitude.rates
+        turning = p.angular_rate if self._in_angles else [np.inf] * 3
+        most = np.array([*p.speed, *turning, p.arm_rate])
+        return Coordinates((*names, "arm"), ("m/s",) * 3 + ("rad/s",) * 4, -most, most)
+
+    @property
+    def outputs(self) -> Coordinates:
+        """Roll, pitch and Euler angle rates, where they are neither coordinates nor velocities."""
+        if self._in_angles:
+            return box((), (), [], [])
+        p = self.parameters
+        most = np.array([p.tilt, p.tilt, *p.angular_rate])
+        names = (*ANGLES[:2], *(f"{angle}_rate" for angle in ANGLES))
+        return Coordinates(names, ("rad",) * 2 + ("rad/s",) * 3, -most, most)
 
     @property
     def inputs(self) -> Coordinates:
@@ -70,10 +94,10 @@ class AerialManipulator(Model):
     def lagrangian(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """L = K - V of quadrotor and arm (paper Eq. 10-12)."""
         p = self.parameters
-        omega = euler_rate_matrix(q) @ v[3:6]
+        omega = self._attitude.omega(q[3:-1], v[3:6])
         arm_centre = self._along_arm(q, p.arm_length / 2)
-        arm_velocity = ca.jtimes(arm_centre, q, v)
-        to_arm = arm_rotation(q[6]).T
+        arm_velocity = ca.jtimes(arm_centre, q, self.kinematics(q, v))
+        to_arm = arm_rotation(q[-1]).T
         arm_omega = to_arm @ (omega + ca.vertcat(0, v[6], 0))
         kinetic = (
             p.quadrotor_mass * ca.sumsqr(v[:3])
@@ -93,8 +117,48 @@ class AerialManipulator(Model):
             self.parameters.torque_coefficient * (f[2] + f[3] - f[0] - f[1]),
         )
         if self.force_model == "virtual_work":
-            torque = euler_rate_matrix(q).T @ torque
-        return ca.vertcat(rotation(q)[:, 2] * ca.sum1(f), torque, u[4])
+            torque = self._attitude.moment(q[3:-1], torque)
+        return ca.vertcat(self._attitude.axis(q[3:-1], 2) * ca.sum1(f), torque, u[4])
+
+    def kinematics(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        """World velocity, the attitude's derivative, arm rate."""
+        return ca.vertcat(v[:3], self._attitude.kinematics(q[3:-1], v[3:6]), v[6])
+
+    def difference(self, q0: ca.SX, q1: ca.SX) -> ca.SX:
+        """Of positions and arm angles, and the attitude's."""
+        turn = self._attitude.difference(q0[3:-1], q1[3:-1])
+        return ca.vertcat(q1[:3] - q0[:3], turn, q1[-1] - q0[-1])
+
+    def constraint(self, q: ca.SX) -> ca.SX:
+        """The attitude's."""
+        return self._attitude.constraint(q[3:-1])
+
+    def normalised(self, q: ca.SX) -> ca.SX:
+        """Unit quaternion."""
+        return ca.vertcat(q[:3], self._attitude.normalised(q[3:-1]), q[-1])
+
+    def origin(self) -> Array:
+        """Upright, nose along x, arm at 0."""
+        return np.array([0.0, 0.0, 0.0, *self._attitude.origin, 0.0])
+
+    def headed(self, q: Array, heading: float) -> Array:
+        """Level, nose at a heading."""
+        return np.concatenate([q[:3], self._attitude.headed(heading), q[-1:]])
+
+    def fixed_at_rest(self) -> NDArray[np.bool_]:
+        """All, but qw, which follows from the others."""
+        return np.array([name != "qw" for name in self.configuration.names])
+
+    def output(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        """Roll, pitch and Euler angle rates beside quaternions, from the last row of R."""
+        if self._in_angles:
+            return ca.SX(0, 1)
+        down = self._attitude.rotation(q[3:-1])[2, :]
+        omega, flat = self._attitude.omega(q[3:-1], v[3:6]), down[1] ** 2 + down[2] ** 2
+        across = (down[1] * omega[1] + down[2] * omega[2]) / flat
+        pitching = (down[2] * omega[1] - down[1] * omega[2]) / ca.sqrt(flat)
+        roll, pitch = ca.atan2(down[1], down[2]), ca.atan2(-down[0], ca.sqrt(flat))
+        return ca.vertcat(roll, pitch, omega[0] - down[0] * across, pitching, across)
 
     def tool(self, q: ca.SX) -> ca.SX:
         """Tip of the arm (paper Eq. 7)."""
@@ -102,7 +166,7 @@ class AerialManipulator(Model):
 
     def nose(self, q: ca.SX) -> ca.SX:
         """Body x axis."""
-        return rotation(q)[:, 0]
+        return self._attitude.axis(q[3:-1], 0)
 
     def hover(self) -> Array:
         """Equal motor forces that carry the weight, arm straight down (paper below Eq. 33)."""
@@ -112,28 +176,12 @@ class AerialManipulator(Model):
 
     def plant(self) -> Plant:
         """Independent Newton-Euler equations."""
-        return AerialManipulatorPlant(self.parameters)
+        return AerialManipulatorPlant(self.parameters, self._attitude.plant())
 
     def _along_arm(self, q: ca.SX, s: float) -> ca.SX:
-        alpha = q[6]
+        alpha = q[-1]
         reach = ca.vertcat(s * ca.cos(alpha), 0, -self.parameters.arm_offset - s * ca.sin(alpha))
-        return q[:3] + rotation(q) @ reach
-
-
-def rotation(q: ca.SX) -> ca.SX:
-    """Body to world, R = Rz(psi) Ry(theta) Rx(phi), (3, 3)."""
-    cf, sf, ct, st, cp, sp = (fn(q[i]) for i in (3, 4, 5) for fn in (ca.cos, ca.sin))
-    return ca.vertcat(
-        ca.horzcat(cp * ct, cp * st * sf - sp * cf, cp * st * cf + sp * sf),
-        ca.horzcat(sp * ct, sp * st * sf + cp * cf, sp * st * cf - cp * sf),
-        ca.horzcat(-st, ct * sf, ct * cf),
-    )
-
-
-def euler_rate_matrix(q: ca.SX) -> ca.SX:
-    """E(xi) with omega_B = E(xi) d xi/dt, the inverse of the paper's T(xi), (3, 3)."""
-    cf, sf, ct, st = ca.cos(q[3]), ca.sin(q[3]), ca.cos(q[4]), ca.sin(q[4])
-    return ca.vertcat(ca.horzcat(1, 0, -st), ca.horzcat(0, cf, sf * ct), ca.horzcat(0, -sf, cf * ct))
+        return q[:3] + self._attitude.rotation(q[3:-1]) @ reach
 
 
 def arm_rotation(alpha: ca.SX) -> ca.SX:

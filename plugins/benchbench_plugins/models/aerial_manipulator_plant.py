@@ -22,6 +22,7 @@ import numpy as np
 from benchbench.model import Plant
 from benchbench.plan import Array
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
+from benchbench_plugins.models.attitude_plant import Angles, AttitudePlant
 
 AXIS, IDENTITY = np.array([0.0, 1.0, 0.0]), np.eye(3)
 LEVI_CIVITA = np.cross(IDENTITY[:, None], IDENTITY).transpose(0, 2, 1).reshape(3, 9)
@@ -31,14 +32,19 @@ ARM_TURN = np.hstack([np.zeros((3, 3)), IDENTITY, AXIS[:, None]])
 ROTOR_SIGNS = np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]])
 """Where rotors 1 to 4 stand (x forward, y left); with the drag signs this is the paper's Eq. (2)."""
 DRAG_SIGNS = np.array([-1.0, -1.0, 1.0, 1.0])
+ANGLES = Angles()
 
 
 @final
 class AerialManipulatorPlant(Plant):
-    """q = [x y z roll pitch yaw arm] (m, rad), v = dq/dt, u = [f1 f2 f3 f4 servo] (N, N m)."""
+    """q = [x y z, attitude, arm] (m, rad), v = [world velocity, attitude rates, arm rate], u = [f1 f2 f3 f4 servo].
 
-    def __init__(self, parameters: Parameters) -> None:
+    Forces in N, the servo's torque in N m. The outputs of a vehicle in quaternions are roll, pitch and Euler rates.
+    """
+
+    def __init__(self, parameters: Parameters, attitude: AttitudePlant = ANGLES) -> None:
         """Keep the numbers of the vehicle as arrays."""
+        self._attitude = attitude
         p = parameters
         self._mass, self._arm_mass, self._gravity = p.quadrotor_mass, p.arm_mass, p.gravity
         self._mount, self._length = np.array([0.0, 0.0, -p.arm_offset]), p.arm_length
@@ -56,8 +62,9 @@ class AerialManipulatorPlant(Plant):
         return self._assemble(self._shift(frame), frame @ self._arm_inertia @ _transpose(frame))
 
     def acceleration(self, q: Array, v: Array, u: Array) -> Array:
-        """Return d2q/dt2 (..., 7) for q, v (..., 7) and u (..., 5)."""
-        frame, omega, rate = arm_frame(q), body_rates(q, v), v[..., 6:]
+        """Return dv/dt (..., 7) for q (..., 7 or 8), v (..., 7) and u (..., 5)."""
+        turning, w = q[..., 3:-1], v[..., 3:6]
+        frame, omega, rate = arm_frame(q), self._attitude.body_rates(turning, w), v[..., 6:]
         shift, arm_inertia = self._shift(frame), frame @ self._arm_inertia @ _transpose(frame)
         from_mount, swing = self._length / 2 * frame[..., 0], shift[..., 6]
         spin, arm_omega = _hat(omega), omega + rate * AXIS
@@ -68,29 +75,52 @@ class AerialManipulatorPlant(Plant):
         right[..., 3:6] -= _apply(spin, _apply(self._inertia, omega))
         x = np.linalg.solve(self._assemble(shift, arm_inertia), right[..., None])[..., 0]
         out = np.empty_like(x)
-        out[..., :3] = _apply(rotation(q), x[..., :3])
+        out[..., :3] = _apply(self._attitude.rotation(turning), x[..., :3])
         out[..., 2] -= self._gravity
-        out[..., 3:6] = _euler_accelerations(q, v, x[..., 3:6])
+        out[..., 3:6] = self._attitude.accelerations(turning, w, x[..., 3:6])
         out[..., 6] = x[..., 6]
         return out
 
+    def kinematics(self, q: Array, v: Array) -> Array:
+        """Return dq/dt."""
+        turning = self._attitude.kinematics(q[..., 3:-1], v[..., 3:6])
+        ends = (
+            np.broadcast_to(part, (*turning.shape[:-1], part.shape[-1])) for part in (v[..., :3], v[..., 6:])
+        )
+        return np.concatenate([next(ends), turning, next(ends)], axis=-1)
+
+    def output(self, q: Array, v: Array) -> Array:
+        """Return roll, pitch and the rates of roll, pitch, yaw (..., 5), where they are no coordinates."""
+        if self._attitude.size == ANGLES.size:
+            return np.zeros((*q.shape[:-1], 0))
+        turn = self._attitude.rotation(q[..., 3:-1])
+        angles = np.zeros((*q.shape[:-1], 3))
+        angles[..., 0] = np.arctan2(turn[..., 2, 1], turn[..., 2, 2])
+        angles[..., 1] = -np.arcsin(np.clip(turn[..., 2, 0], -1.0, 1.0))
+        columns = [ANGLES.body_rates(angles, unit) for unit in IDENTITY]
+        omega = self._attitude.body_rates(q[..., 3:-1], v[..., 3:6])
+        rates = np.linalg.solve(np.stack(columns, axis=-1), omega[..., None])[..., 0]
+        return np.concatenate([angles[..., :2], rates], axis=-1)
+
     def tool(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Return position (..., 3) m and velocity (..., 3) m/s of the end effector in the world."""
-        turn, frame = rotation(q), arm_frame(q)
+        turn, frame = self._attitude.rotation(q[..., 3:-1]), arm_frame(q)
         tip, swing = self._mount + self._length * frame[..., 0], -self._length * frame[..., 2]
-        moving = _apply(_hat(body_rates(q, v)), tip) + swing * v[..., 6:]
+        omega = self._attitude.body_rates(q[..., 3:-1], v[..., 3:6])
+        moving = _apply(_hat(omega), tip) + swing * v[..., 6:]
         return q[..., :3] + _apply(turn, tip), v[..., :3] + _apply(turn, moving)
 
     def nose(self, q: Array) -> Array:
         """Return the body x axis in the world frame, shape (..., 3)."""
-        return rotation(q)[..., 0]
+        return self._attitude.rotation(q[..., 3:-1])[..., 0]
 
     def skeleton(self, q: Array) -> dict[str, Array]:
         """Return the lines between opposite rotors and the arm from its mount to its tip, each (2, 3) m; plus the mount."""
         arm = np.stack([self._mount, self._mount + self._length * arm_frame(q)[:, 0]])
         lines = {"frame_a": self._rotors[:2], "frame_b": self._rotors[2:], "arm": arm}
         lines["mount"] = np.stack([np.zeros(3), self._mount])
-        return {name: q[:3] + line @ rotation(q).T for name, line in lines.items()}
+        turn = self._attitude.rotation(q[3:-1])
+        return {name: q[:3] + line @ turn.T for name, line in lines.items()}
 
     def _shift(self, frame: Array) -> Array:
         """S (..., 3, 7): acceleration of the arm's centre of mass from x, without velocity terms."""
@@ -107,50 +137,11 @@ class AerialManipulatorPlant(Plant):
 
 def arm_frame(q: Array) -> Array:
     """Return R_m(arm) (..., 3, 3), arm to body frame; column 0 points along the arm (paper Eq. 4)."""
-    c, s = np.cos(q[..., 6]), np.sin(q[..., 6])
+    c, s = np.cos(q[..., -1]), np.sin(q[..., -1])
     frame = np.zeros((*c.shape, 3, 3))
     frame[..., 0, 0], frame[..., 0, 2], frame[..., 1, 1] = c, s, 1.0
     frame[..., 2, 0], frame[..., 2, 2] = -s, c
     return frame
-
-
-def rotation(q: Array) -> Array:
-    """Return R = Rz(yaw) Ry(pitch) Rx(roll), body to world, (..., 3, 3)."""
-    cr, cp, cy = _parts(np.cos(q[..., 3:6]))
-    sr, sp, sy = _parts(np.sin(q[..., 3:6]))
-    turn = np.empty((*q.shape[:-1], 3, 3))
-    turn[..., 0, 0], turn[..., 1, 0], turn[..., 2, 0] = cy * cp, sy * cp, -sp
-    turn[..., 0, 1], turn[..., 0, 2] = cy * sp * sr - sy * cr, cy * sp * cr + sy * sr
-    turn[..., 1, 1], turn[..., 1, 2] = sy * sp * sr + cy * cr, sy * sp * cr - cy * sr
-    turn[..., 2, 1], turn[..., 2, 2] = cp * sr, cp * cr
-    return turn
-
-
-def body_rates(q: Array, v: Array) -> Array:
-    """Return omega = E d[roll pitch yaw]/dt in the body frame, (..., 3) rad/s."""
-    (cr, cp, _), (sr, sp, _) = _parts(np.cos(q[..., 3:6])), _parts(np.sin(q[..., 3:6]))
-    roll, pitch, yaw = _parts(v[..., 3:6])
-    out = np.empty((*q.shape[:-1], 3))
-    out[..., 0] = roll - sp * yaw
-    out[..., 1], out[..., 2] = cr * pitch + sr * cp * yaw, cr * cp * yaw - sr * pitch
-    return out
-
-
-def _euler_accelerations(q: Array, v: Array, spin: Array) -> Array:
-    """Second derivatives of the Euler angles: E^-1 (d omega/dt - dE/dt d[angles]/dt)."""
-    (cr, cp, _), (sr, sp, _) = _parts(np.cos(q[..., 3:6])), _parts(np.sin(q[..., 3:6]))
-    roll, pitch, yaw = _parts(v[..., 3:6])
-    x = spin[..., 0] + cp * pitch * yaw
-    y = spin[..., 1] + sr * roll * pitch - (cr * cp * roll - sr * sp * pitch) * yaw
-    z = spin[..., 2] + cr * roll * pitch + (sr * cp * roll + cr * sp * pitch) * yaw
-    out = np.empty_like(spin)
-    out[..., 2] = (sr * y + cr * z) / cp
-    out[..., 0], out[..., 1] = x + sp * out[..., 2], cr * y - sr * z
-    return out
-
-
-def _parts(a: Array) -> tuple[Array, Array, Array]:
-    return a[..., 0], a[..., 1], a[..., 2]
 
 
 def _hat(a: Array) -> Array:

@@ -1,7 +1,8 @@
-"""Racing quadrotor with a unit quaternion and body rates (Foehn, Romero & Scaramuzza 2021, doi:10.1126/scirobotics.abh1221).
+"""Racing quadrotor (Foehn, Romero & Scaramuzza 2021, doi:10.1126/scirobotics.abh1221), in two attitude coordinates.
 
-q = [x y z qw qx qy qz], the quaternion turns body into world coordinates; v = [vx vy vz] in the world and
-[wx wy wz] in the body frame, so dq/dt is not v; u = [f_1 .. f_4]. No singularity, no drag.
+q = [x y z, attitude], v = [vx vy vz, attitude rates] with world velocities, u = [f_1 .. f_4]; no drag.
+attitude "quaternion": [qw qx qy qz] turns body into world coordinates, the rates are body rates, no singularity.
+attitude "euler": [roll pitch yaw] and their derivatives (the paper); body rates are limited as outputs.
 """
 
 from __future__ import annotations
@@ -18,10 +19,12 @@ from benchbench.errors import BadInput
 from benchbench.model import Coordinates, Model, Plant, box
 from benchbench.plan import Array
 from benchbench.scenario import NonNegative, Positive, Range
+from benchbench_plugins.models.attitude import ATTITUDES, Attitude, Kind
 from benchbench_plugins.models.quadrotor_plant import QuadrotorPlant
 
-NAMES = ("x", "y", "z", "qw", "qx", "qy", "qz")
-RATES = ("vx", "vy", "vz", "wx", "wy", "wz")
+POSITION, VELOCITY, RATES = ("x", "y", "z"), ("vx", "vy", "vz"), ("wx", "wy", "wz")
+ANGLES = np.array([np.pi, 1.5, np.pi])
+"""Limits of roll, pitch, yaw in rad, where they are the coordinates: off the singularity."""
 Triple = tuple[Positive, Positive, Positive]
 
 
@@ -45,7 +48,8 @@ class Quadrotor(Model):
     """Four motors in X configuration, motors 1 and 4 on the left side (+y), 1 and 2 in front.
 
     mass kg; inertia kg m^2 about the body axes; lever m of a motor about the x and y axis; torque_coefficient m,
-    yaw torque by thrust; motor_force N; body_rate rad/s; gravity m/s^2; ramp: None for the same limits everywhere.
+    yaw torque by thrust; motor_force N; body_rate rad/s; gravity m/s^2; ramp: None for the same limits everywhere;
+    attitude: "quaternion" or "euler".
     """
 
     name: str
@@ -57,6 +61,7 @@ class Quadrotor(Model):
     body_rate: Triple
     gravity: Positive = 9.8066
     ramp: Ramp | None = None
+    attitude: Kind = "quaternion"
 
     def __post_init__(self) -> None:
         """Refuse a ramp that falls; raises BadInput."""
@@ -66,14 +71,26 @@ class Quadrotor(Model):
 
     @property
     def configuration(self) -> Coordinates:
-        """Position is limited by the scenario's workspace only, attitude not at all."""
-        return box(NAMES, ("m",) * 3 + ("1",) * 4, [-np.inf] * 7, [np.inf] * 7)
+        """Position is limited by the scenario's workspace only, attitude not at all or off the singularity."""
+        of = self._attitude
+        most = np.concatenate([np.full(3, np.inf), ANGLES if self._in_angles else np.full(4, np.inf)])
+        names, units = POSITION + of.names, ("m",) * 3 + (of.unit,) * len(of.names)
+        return Coordinates(names, units, -most, most)
 
     @property
     def velocity(self) -> Coordinates:
-        """World velocity without limits, body rates with."""
-        most = [np.inf] * 3 + list(self.body_rate)
-        return box(RATES, ("m/s",) * 3 + ("rad/s",) * 3, [-x for x in most], most)
+        """World velocity without limits; rates with, where they are body rates."""
+        most = np.concatenate([np.full(3, np.inf), np.full(3, np.inf) if self._in_angles else self.body_rate])
+        of = self._attitude
+        names = (POSITION if self._in_angles else VELOCITY) + of.rates
+        return Coordinates(names, ("m/s",) * 3 + ("rad/s",) * 3, -most, most)
+
+    @property
+    def outputs(self) -> Coordinates:
+        """Body rates, where they are no velocities."""
+        if not self._in_angles:
+            return box((), (), [], [])
+        return box(RATES, ("rad/s",) * 3, [-x for x in self.body_rate], self.body_rate)
 
     @property
     def inputs(self) -> Coordinates:
@@ -82,10 +99,15 @@ class Quadrotor(Model):
         return box(tuple(f"motor_{i}" for i in range(1, 5)), ("N",) * 4, [low] * 4, [high] * 4)
 
     def velocity_limits(self, flown: Array) -> tuple[Array, Array]:
-        """Limits of the body rates, along the ramp."""
+        """Limits of the body rates, along the ramp, where they are velocities."""
         most = np.tile(self.velocity.upper, (len(flown), 1))
-        if self.ramp:
-            most[:, 3:] = self._along(flown, self.ramp.body_rate, self.body_rate)
+        if not self._in_angles:
+            most[:, 3:] = self._rate_limits(flown)
+        return -most, most
+
+    def output_limits(self, flown: Array) -> tuple[Array, Array]:
+        """The same, where they are outputs."""
+        most = self._rate_limits(flown)[:, : len(self.outputs.names)]
         return -most, most
 
     def input_limits(self, flown: Array) -> tuple[Array, Array]:
@@ -95,8 +117,8 @@ class Quadrotor(Model):
         return np.full((len(flown), 4), low), self._along(flown, (first,) * 4, (high,) * 4)
 
     def fixed_at_rest(self) -> NDArray[np.bool_]:
-        """Place, roll and pitch; qw and qz are the heading."""
-        return np.array([name in ("x", "y", "z", "qx", "qy") for name in NAMES])
+        """Place, roll and pitch, not the heading."""
+        return np.array([True] * 3 + list(self._attitude.level))
 
     def specific_thrust(self, flown: Array) -> Array:
         """All motors at their limits."""
@@ -118,43 +140,56 @@ class Quadrotor(Model):
             turn = axis / max(sine, 1e-9) * np.arctan2(sine, up @ wanted)
             turns[k] = attitude[-1].inv().apply(turn)
             attitude.append(Rotation.from_rotvec(turn) * attitude[-1])
-        quaternion = np.array([rotation.as_quat(scalar_first=True) for rotation in attitude])
-        same = np.sum(quaternion[1:] * quaternion[:-1], axis=1) >= 0
-        quaternion[1:] *= np.cumprod(np.where(same, 1.0, -1.0))[:, None]
+        place, step = self._attitude.follow(Rotation.concatenate(attitude)), np.append(1.0, np.diff(time))
         most = np.array(self.body_rate)
-        rates = np.clip(turns / np.append(1.0, np.diff(time))[:, None], -most, most)
+        rates = np.clip(turns / step[:, None], -most, most)
+        if self._in_angles:
+            rates = np.diff(place, axis=0, prepend=place[:1]) / step[:, None]
         force = np.repeat(size[:, None] * self.mass / 4, 4, axis=1)
-        return np.hstack([position, quaternion]), np.hstack([velocity, rates]), force
+        return np.hstack([position, place]), np.hstack([velocity, rates]), force
 
     def kinematics(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        """Return world velocity and q * [0, omega] / 2."""
-        w, i = q[3], q[4:]
-        omega = v[3:]
-        return ca.vertcat(v[:3], -ca.dot(i, omega) / 2, (w * omega + ca.cross(i, omega)) / 2)
+        """World velocity and the attitude's derivative."""
+        return ca.vertcat(v[:3], self._attitude.kinematics(q[3:], v[3:]))
+
+    def difference(self, q0: ca.SX, q1: ca.SX) -> ca.SX:
+        """Of positions, and the attitude's."""
+        return ca.vertcat(q1[:3] - q0[:3], self._attitude.difference(q0[3:], q1[3:]))
+
+    def constraint(self, q: ca.SX) -> ca.SX:
+        """The attitude's."""
+        return self._attitude.constraint(q[3:])
 
     def normalised(self, q: ca.SX) -> ca.SX:
         """Unit quaternion."""
-        return ca.vertcat(q[:3], q[3:] / ca.norm_2(q[3:]))
+        return ca.vertcat(q[:3], self._attitude.normalised(q[3:]))
+
+    def output(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        """Body rates beside Euler angles."""
+        return self._attitude.omega(q[3:], v[3:])[: len(self.outputs.names)]
 
     def origin(self) -> Array:
         """Upright, nose along x."""
-        return np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
+        return np.array([0.0, 0.0, 0.0, *self._attitude.origin])
+
+    def lagrangian(self, q: ca.SX, v: ca.SX) -> ca.SX:
+        """L = (m |dp/dt|^2 + omega^T J omega) / 2 - m g z."""
+        omega = self._attitude.omega(q[3:], v[3:])
+        kinetic = (self.mass * ca.sumsqr(v[:3]) + ca.dot(omega, ca.DM(self.inertia) * omega)) / 2
+        return kinetic - self.mass * self.gravity * q[2]
+
+    def force(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
+        """R e_3 sum f, and the moment of the motors by virtual work."""
+        thrust = self._attitude.axis(q[3:], 2) * ca.sum1(u)
+        return ca.vertcat(thrust, self._attitude.moment(q[3:], self._torque(u)))
 
     def acceleration(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
         """Newton and Euler; the direction of thrust does not depend on the length of the quaternion."""
-        thrust = _turned(q, (0, 0, 1)) * ca.sum1(u) / self.mass
-        inertia, omega = ca.DM(self.inertia), v[3:]
-        torque = ca.vertcat(
-            self.lever * (u[0] - u[1] - u[2] + u[3]),
-            self.lever * (-u[0] - u[1] + u[2] + u[3]),
-            self.torque_coefficient * (u[0] - u[1] + u[2] - u[3]),
-        )
-        spin = (torque - ca.cross(omega, inertia * omega)) / inertia
-        return ca.vertcat(thrust - ca.DM([0, 0, self.gravity]), spin)
-
-    def force(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
-        """There are no generalised forces without a Lagrangian."""
-        raise NotImplementedError("the quadrotor in quaternions gives accelerations")
+        thrust = self._attitude.axis(q[3:], 2) * ca.sum1(u) / self.mass
+        inertia, omega = ca.DM(self.inertia), self._attitude.omega(q[3:], v[3:])
+        spin = (self._torque(u) - ca.cross(omega, inertia * omega)) / inertia
+        turning = self._attitude.acceleration(q[3:], v[3:], spin)
+        return ca.vertcat(thrust - ca.DM([0, 0, self.gravity]), turning)
 
     def tool(self, q: ca.SX) -> ca.SX:
         """Return the centre of mass, which has to pass the gates."""
@@ -162,7 +197,7 @@ class Quadrotor(Model):
 
     def nose(self, q: ca.SX) -> ca.SX:
         """Body x axis."""
-        return _turned(q, (1, 0, 0))
+        return self._attitude.axis(q[3:], 0)
 
     def hover(self) -> Array:
         """Equal forces that carry the weight."""
@@ -170,14 +205,27 @@ class Quadrotor(Model):
 
     def plant(self) -> Plant:
         """Independent Newton-Euler equations."""
-        return QuadrotorPlant(self.mass, self.inertia, self.lever, self.torque_coefficient, self.gravity)
+        numbers = (self.mass, self.inertia, self.lever, self.torque_coefficient, self.gravity)
+        return QuadrotorPlant(*numbers, self._attitude.plant())
+
+    @property
+    def _attitude(self) -> Attitude:
+        return ATTITUDES[self.attitude]
+
+    @property
+    def _in_angles(self) -> bool:
+        return self.attitude == "euler"
+
+    def _torque(self, u: ca.SX) -> ca.SX:
+        return ca.vertcat(
+            self.lever * (u[0] - u[1] - u[2] + u[3]),
+            self.lever * (-u[0] - u[1] + u[2] + u[3]),
+            self.torque_coefficient * (u[0] - u[1] + u[2] - u[3]),
+        )
+
+    def _rate_limits(self, flown: Array) -> Array:
+        return self._along(flown, self.ramp.body_rate if self.ramp else self.body_rate, self.body_rate)
 
     def _along(self, flown: Array, first: tuple[float, ...], last: tuple[float, ...]) -> Array:
         share = np.clip(flown / self.ramp.metres, 0.0, 1.0) if self.ramp else np.ones(len(flown))
         return np.asarray((1 - share)[:, None] * first + share[:, None] * last)
-
-
-def _turned(q: ca.SX, axis: tuple[int, int, int]) -> ca.SX:
-    """Body axis in the world, for a quaternion of any length."""
-    w, i, a = q[3], q[4:], ca.DM(axis)
-    return ((w**2 - ca.sumsqr(i)) * a + 2 * ca.dot(i, a) * i + 2 * w * ca.cross(i, a)) / ca.sumsqr(q[3:])

@@ -1,0 +1,61 @@
+"""Verlet on a Lie group: variational, in unit quaternions without singularity (Kobilarov & Marsden 2011).
+
+Discrete geometric optimal control on Lie groups, doi:10.1109/TRO.2011.2139130; the difference of quaternions as in
+Manchester & Peck 2016, Quaternion variational integrators for spacecraft dynamics, doi:10.2514/1.G001176.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import ClassVar, final
+
+import casadi as ca
+from pydantic.dataclasses import dataclass
+
+from benchbench.dynamics import Dynamics, Grid, Trajectory
+from benchbench.model import Model
+from benchbench.mpcc import Mpcc
+from benchbench.scenario import Scenario
+from benchbench.variational import Discrete, Gradient, Inputs, transcribe
+
+
+@final
+@dataclass(frozen=True)
+class LieVerlet(Dynamics):
+    """Two-point form on any configuration space, second order; on a vector space it is `verlet`.
+
+    L_d(q_0, q_1) = h/2 L(q_0, w) + h/2 L(q_1, w), w = difference(q_0, q_1) / h the constant velocity that leads from
+    q_0 to q_1. D_1, D_2 are derivatives along dq/dt = K(q) v, so that the rows are momenta dual to v:
+
+        D_1 L_d = h/2 K_0^T dL/dq(q_0, w) + J_0^T m,   D_2 L_d = h/2 K_1^T dL/dq(q_1, w) + J_1^T m,
+
+    with J_i = d difference / dq_i K_i and m the mean of dL/dv(q_0, w) and dL/dv(q_1, w).
+    inputs as in `verlet`.
+    """
+
+    needs_lagrangian: ClassVar[bool] = True
+
+    inputs: Inputs = "interval"
+
+    @property
+    def order(self) -> int:
+        """Second order."""
+        return 2
+
+    def transcribe(self, scenario: Scenario, model: Model, grid: Grid) -> tuple[Mpcc, Trajectory]:
+        """Return variables, Legendre rows, rows of unit length and cost."""
+        rule = partial(_rule, model)
+        return transcribe("lie_verlet", rule, self.inputs, "nodal", scenario, model, grid)
+
+
+def _rule(
+    model: Model, momentum: Gradient, slope: Gradient, q0: ca.SX, v0: ca.SX, q1: ca.SX, v1: ca.SX, h: ca.SX
+) -> Discrete:
+    difference = model.difference(q0, q1)
+    w = difference / h
+    mean = (momentum(q0, w) + momentum(q1, w)) / 2
+    k0, k1 = (ca.jacobian(model.kinematics(q, v), v) for q, v in ((q0, v0), (q1, v1)))
+    d1, d2 = (
+        k.T @ (h / 2 * slope(q, w) + ca.jacobian(difference, q).T @ mean) for q, k in ((q0, k0), (q1, k1))
+    )
+    return Discrete(d1, d2, (q0, v0), (q1, v1))
