@@ -60,6 +60,20 @@ class Spent:
         return self.stage.startswith(GUESS)
 
 
+@dataclass(frozen=True)
+class Step:
+    """What is known after one solve; `solve_cpu_s` and `iterations` are sums over the run so far.
+
+    travel_time_s is that of the point where the solver stopped, None unless it claims success.
+    """
+
+    stage: str
+    sigma: float
+    travel_time_s: float | None
+    solve_cpu_s: float
+    iterations: int
+
+
 @dataclass
 class Ledger:
     """What a run has spent so far, and where its progress is shown."""
@@ -71,6 +85,8 @@ class Ledger:
     solves: list[Spent] = field(default_factory=list)
     iterations: int = 0
     evaluations: int = 0
+    repeated: bool = False
+    """The run was solved before; only its times count."""
     began: float = field(default_factory=time.perf_counter)
 
     @contextmanager
@@ -88,6 +104,11 @@ class Ledger:
         self.solves.append(Spent(stage, outcome.cpu_s, functions))
         self.iterations += outcome.iterations
         self.evaluations += outcome.evaluations
+
+    def step(self, stage: str, sigma: float, travel_time: float | None) -> None:
+        """Tell the watch that a solve has ended; it may raise Pruned."""
+        if self.watch and not self.repeated:
+            self.watch.step(Step(stage, sigma, travel_time, self.solve_cpu, self.iterations))
 
     @property
     def solve_cpu(self) -> float:
@@ -117,6 +138,9 @@ class Ledger:
 
 class Watch:
     """Where live progress goes; this one shows nothing."""
+
+    def step(self, step: Step) -> None:
+        """Hear that a solve has ended. Raises Pruned to give the run up."""
 
     def stage(self, name: str, shape: tuple[int, int] | None) -> Progress | None:
         """Start a stage; `shape` is where in x the durations stand (first, count). Returns the callback."""

@@ -42,7 +42,7 @@ FAMILIES = tuple(family for family in KINDS if family != "scenario")
 NUMBERS = {"seed": (int, 0), "time_limit": (float, 1e-3), "iteration_limit": (int, 1)}
 """Numbers of a run with their type and smallest value."""
 WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
-FIELDS = (*KINDS, *NUMBERS, *WORDS, "output", *settings.NAMES)
+FIELDS = (*KINDS, *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
 
 
 class ThirdPartyConfig(SearchPathPlugin):

@@ -34,6 +34,10 @@ class Unavailable(BenchBenchError):
     """An optional backend is not installed or has no licence; the message names the remedy."""
 
 
+class Pruned(BenchBenchError):
+    """A study gave a run up, since its trial cannot become the best any more."""
+
+
 class Timeout(BenchBenchError):
     """A run was killed at its wall-clock limit."""
 

@@ -14,10 +14,11 @@ from typing import Any
 
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
+from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
 from benchbench import config, pipeline, settings
-from benchbench.errors import BadInput, BenchBenchError, Crash, OutOfMemory, Timeout
+from benchbench.errors import BadInput, BenchBenchError, Crash, OutOfMemory, Pruned, Timeout
 from benchbench.failure import failed, reason
 from benchbench.hydra_errors import EXPECTED, explained
 from benchbench.progress import LiveLine
@@ -26,8 +27,6 @@ from benchbench.storage.schema import Record
 
 CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2
 KILLED = (Timeout, Crash, OutOfMemory)
-NOT_DECISIVE = ("output", *settings.NAMES)
-"""Fields that do not change what a run computes; its hash leaves them out."""
 
 
 @dataclass(frozen=True)
@@ -102,8 +101,8 @@ def failure(error: Exception, cfg: DictConfig, place: Place | None, **columns: A
     """
     expected = isinstance(error, EXPECTED)
     told = explained(error) if expected else error
-    said = (_complaint(error, told),)
-    code = BAD_INPUT if expected and not isinstance(error, KILLED) else NOT_CERTIFIED
+    said = () if isinstance(error, Pruned) else (_complaint(error, told),)
+    code = BAD_INPUT if expected and not isinstance(error, (*KILLED, Pruned)) else NOT_CERTIFIED
     if place is None or place.stored:  # stored: only the recording or the picture is missing
         return Ended(code, None, {}, said)
     if place.sweep or not expected or isinstance(error, KILLED):
@@ -127,9 +126,9 @@ def store(record: Record, place: Place) -> None:
 
 
 def config_hash(cfg: DictConfig) -> str:
-    """Hash of everything that decides the result of a run: the composed config without `NOT_DECISIVE`."""
+    """Hash of everything that decides the result of a run: the composed config without `settings.NOT_DECISIVE`."""
     resolved = OmegaConf.to_container(cfg, resolve=True)
-    decisive = {str(k): v for k, v in resolved.items() if k not in NOT_DECISIVE}  # type: ignore[union-attr]
+    decisive = {str(k): v for k, v in resolved.items() if k not in settings.NOT_DECISIVE}  # type: ignore[union-attr]
     text = OmegaConf.to_yaml(OmegaConf.create(decisive), sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
@@ -148,10 +147,14 @@ def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
     case = config.build(cfg, place.chosen)
     repeats = settings.Settings.of(cfg).repeats
     _check_writable(place.root)
-    with LiveLine() as line:
+    told = instantiate(cfg.on_step) if cfg.get("on_step") else None
+    own = OmegaConf.masked_copy(
+        cfg, [str(key) for key in cfg if key != "on_step"]
+    )  # a study's part stays out of the files
+    with LiveLine(told) as line:
         done = pipeline.run(case, line, place.labels, repeats)
         line.stage("files", None)
-        return done, pipeline.write(done, place.folder, place.root, OmegaConf.to_yaml(cfg, resolve=True))
+        return done, pipeline.write(done, place.folder, place.root, OmegaConf.to_yaml(own, resolve=True))
 
 
 def _check_writable(root: Path) -> None:

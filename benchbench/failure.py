@@ -11,6 +11,7 @@ from benchbench.errors import (
     Crash,
     IncompatibleCase,
     OutOfMemory,
+    Pruned,
     Timeout,
     Unavailable,
 )
@@ -40,6 +41,8 @@ def status(error: BaseException) -> Status:
             return Status.INCOMPATIBLE
         case Unavailable():
             return Status.UNAVAILABLE
+        case Pruned():
+            return Status.PRUNED
         case Timeout():
             return Status.TIMEOUT
         case Crash():

@@ -51,6 +51,7 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str) -> Solved:
             point = Point(np.clip(point.x, relaxed.lower, relaxed.upper))
         outcome = solve(sigma, point)
         ledger.count(outcome, stage)
+        ledger.step(stage, sigma, _travel_time(outcome, where))
         if not np.all(np.isfinite(outcome.point.x)):
             outcome = replace(outcome, claim="invalid", point=point)
         if outcome.claim in GOOD:
@@ -64,6 +65,12 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str) -> Solved:
     values = relaxed.split(outcome.point.x)
     x = np.concatenate([np.zeros(0), *(values[v.name].ravel() for v in mpcc.variables)])
     return Solved(outcome, values, x, sigma)
+
+
+def _travel_time(outcome: Outcome, where: tuple[int, int] | None) -> float | None:
+    if where is None or outcome.claim != "solved":
+        return None
+    return float(outcome.point.x[where[0] : where[0] + where[1]].sum())
 
 
 def _prepare(relaxed: Mpcc, case: Case, ledger: Ledger, watch: Progress | None) -> Prepared:

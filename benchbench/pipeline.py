@@ -95,7 +95,7 @@ def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
 
 
 def _again(case: Case, watch: Watch | None) -> Ledger:
-    ledger = Ledger(case.time_limit, watch)
+    ledger = Ledger(case.time_limit, watch, repeated=True)
     case.strategy.solve(case, ledger)
     return ledger
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import TracebackType
 from typing import Self, final
 
@@ -9,7 +10,7 @@ from rich.console import Console
 from rich.progress import Progress as Bar
 from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from benchbench.case import Watch
+from benchbench.case import Step, Watch
 from benchbench.plan import Array
 from benchbench.solver import Progress
 
@@ -18,8 +19,9 @@ from benchbench.solver import Progress
 class LiveLine(Watch):
     """A context that shows the running solve on stderr; silent when stderr is not a terminal."""
 
-    def __init__(self) -> None:
-        """Set up the line without showing it."""
+    def __init__(self, told: Callable[[Step], None] | None = None) -> None:
+        """Set up the line without showing it; `told` hears of each solve that ended."""
+        self._told = told
         console = Console(stderr=True)
         self._bar = Bar(
             SpinnerColumn("line"), TextColumn("{task.description}", markup=False), TimeElapsedColumn(),
@@ -40,6 +42,11 @@ class LiveLine(Watch):
         """Remove the line."""
         if self._seen:
             self._bar.stop()
+
+    def step(self, step: Step) -> None:
+        """Hand it on."""
+        if self._told:
+            self._told(step)
 
     def stage(self, name: str, shape: tuple[int, int] | None) -> Progress | None:
         """Name the stage; no callback at all when nobody looks."""

@@ -47,6 +47,8 @@ class Settings:
 
 
 NAMES = tuple(field.name for field in fields(Settings))
+NOT_DECISIVE = ("output", "on_step", *NAMES)
+"""Fields of the configuration that do not change what a run computes; its hash leaves them out."""
 
 
 def _check(name: str, value: object, low: float) -> None:

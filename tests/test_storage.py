@@ -131,7 +131,7 @@ def test_record_refuses_unknown_status() -> None:
 def test_every_status_says_what_to_do() -> None:
     assert {str(s) for s in Status} == {
         "certified", "uncertified", "infeasible", "iteration_limit", "time_limit", "timeout", "crash",
-        "out_of_memory", "unavailable", "incompatible", "bad_input", "error",
+        "out_of_memory", "pruned", "unavailable", "incompatible", "bad_input", "error",
     }  # fmt: skip
     assert all(s.message and s.remedy for s in Status)
     assert len({s.message for s in Status}) == len(Status)

@@ -14,10 +14,13 @@ import pytest
 from test_launcher import path_with_bad_runs
 from test_program import program, records
 
+from benchbench import config, pipeline
 from benchbench.commands import tune
-from benchbench.errors import BadInput
+from benchbench.errors import BadInput, Pruned
+from benchbench.progress import LiveLine
 from benchbench.tuning import outcome
 from benchbench.tuning.space import read
+from benchbench.tuning.steps import Report
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "tuning" / "schedule.yaml"
 SMALL = ("+scenario=static,linear", "strategy=phases", "dynamics=collocation", "scenario.intervals=24,25")
@@ -102,6 +105,54 @@ def test_a_bad_trial_is_pruned_after_a_problem(tmp_path: Path) -> None:
     assert good and all(t.params["scenario.intervals"] == "25" for t in good)
 
 
+def good_trial(made: optuna.Study, value: float) -> None:
+    made.add_trial(optuna.trial.create_trial(value=value, user_attrs={"uncertified": 0}))
+
+
+def reported(made: optuna.Study, url: str, schedule: str) -> tuple[dict[int, float], int | None]:
+    """A run that reports to a new trial: its reports, and its iterations unless it was given up."""
+    asked = ("+scenario=static", "scenario.intervals=12", "compile=never", f"relaxation.schedule={schedule}")
+    trial = made.ask()
+    report = Report(url, made.study_name, trial.number, "iterations", problem=1, before=1000.0)
+    try:
+        done = pipeline.run(config.compose(*asked), LiveLine(report)).record["iterations"]
+    except Pruned:
+        done = None
+    found = made.trials[trial.number].intermediate_values
+    made.tell(trial, state=optuna.trial.TrialState.PRUNED)
+    return found, done
+
+
+def test_a_run_is_given_up_between_two_steps_of_its_homotopy(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/study.db"
+    made = optuna.create_study(study_name="steps", storage=url)
+    free, iterations = reported(made, url, "[1e-2,1e-4,1e-6]")
+    assert list(free) == [1000, 1001, 1002]  # no guess among them
+    assert list(free.values()) == sorted(free.values()) and free[1002] == 1000.0 + (iterations or 0)
+    good_trial(made, free[1001] - 1.0)
+    assert reported(made, url, "[1e-2,1e-4,1e-6]") == ({k: free[k] for k in (1000, 1001)}, None)
+    good_trial(made, free[1000] - 1.0)
+    assert reported(made, url, "[1e-2,1e-4,1e-6]") == ({1000: free[1000]}, None)
+
+
+def test_pruned_runs_of_a_study_are_told_and_stored_as_such(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/it's.db"
+    made = optuna.create_study(study_name="tune", storage=url)
+    made.set_user_attr("objectives", ["iterations"])
+    good_trial(made, 1.0)
+    done = program(
+        tmp_path, *OPTUNA, "+scenario=static,linear", "scenario.intervals=12,13", "relaxation.schedule=[1e-2,1e-6]",
+        "hydra.sweeper.objectives=[iterations]", "hydra.sweeper.n_trials=1", "hydra.sweeper.prune=steps",
+        f'hydra.sweeper.storage="{url}"',
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr  # the good trial is the best
+    assert "trial 1: pruned in problem 1: scenario.intervals=" in done.stdout and done.stderr == ""
+    trial = made.trials[1]
+    assert trial.state == optuna.trial.TrialState.PRUNED and list(trial.intermediate_values) == [0]
+    (record,) = records(tmp_path)
+    assert record["status"] == "pruned" and "more than the best trial needs" in record["reasons"][0]
+
+
 def test_the_front_has_what_nobody_beats() -> None:
     made = optuna.create_study(directions=["minimize", "minimize"])
     for values, bad in [((1.0, 3.0), 0), ((2.0, 2.0), 0), ((2.0, 2.5), 0), ((0.5, 0.5), 1), ((3.0, 1.0), 0)]:
@@ -144,6 +195,10 @@ def test_a_file_says_the_same_as_the_command_line() -> None:
         (("scenario.intervals=20,30", "hydra.sweeper.storage=nowhere://x"), "hydra.sweeper.storage"),
         (("scenario.intervals=20,30", "hydra.sweeper.n_trials=0"), "hydra.sweeper.n_trials"),
         (("scenario.intervals=20,30", "hydra.sweeper.prune=true"), "hydra.sweeper.prune"),
+        (
+            ("scenario.intervals=20,30", "hydra.sweeper.prune=steps", "hydra.sweeper.objectives=[wall_s]"),
+            "hydra.sweeper.prune",
+        ),
     ],
 )
 def test_bad_input(tmp_path: Path, arguments: tuple[str, ...], told: str) -> None:

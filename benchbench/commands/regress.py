@@ -78,16 +78,18 @@ def _report(changes: Sequence[Change], title: str) -> int:
     for heading in ("case", "what", "was", "now", "change", "verdict", "gate"):
         told.add_column(heading, overflow="fold")
     for c in changes:
-        if c.verdict != "same" or c.what == "solve / reference":
+        if c.moved or c.what == "solve / reference":
             change = "" if c.change is None else f"{c.change:+.1%}"
             told.add_row(c.case, c.what, c.was, c.now, change, c.verdict, c.note, style=STYLE[c.verdict])
     console = Console(width=None if sys.stdout.isatty() else 140)
     console.print(told)
     counts = {verdict: sum(c.verdict == verdict for c in changes) for verdict in STYLE}
+    within = sum(c.moved for c in changes if c.verdict == "same")
     console.print(
-        f"{counts['same']} numbers the same, {counts['better']} better, {counts['WORSE']} worse",
-        highlight=False,
-    )
+        f"{counts['same'] - within} numbers the same, {within} changed within their gates, "
+        f"{counts['better']} better, {counts['WORSE']} worse",
+        highlight=False, soft_wrap=True,
+    )  # fmt: skip
     for c in worse:
         where = f"{c.case}: {c.what} was {c.was}, is {c.now}"
         console.print(

@@ -28,6 +28,11 @@ class Change:
     verdict: Verdict
     note: str = ""
 
+    @property
+    def moved(self) -> bool:
+        """The number is not what it was, perhaps within its gate."""
+        return self.was != self.now or bool(self.change)
+
 
 def compare(case: str, was: Mapping[str, Any], now: Mapping[str, Any], gates: Gates) -> list[Change]:
     """Return a line for each gate."""

@@ -59,6 +59,11 @@ class Status(StrEnum):
         "the run needed more memory than its limit",
         "raise the memory limit, or reduce the number of intervals or of parallel runs",
     )
+    PRUNED = (
+        "pruned",
+        "a study gave the run up between two solves, because its trial could not become the best any more",
+        "nothing to do; hydra.sweeper.prune=false lets such runs end",
+    )
     UNAVAILABLE = (
         "unavailable",
         "a chosen backend is not installed here or has no licence",

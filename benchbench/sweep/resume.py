@@ -34,6 +34,8 @@ def earlier(root: Path, rerun: Rerun, repeats: int) -> dict[str, int]:
     now = _code()
     found: dict[str, int] = {}
     for row in rows[["config_hash", "status", "certified", "repeats", *code]].to_dict("records"):
+        if row["status"] == Status.PRUNED:
+            continue
         same = all(_plain(row[name]) == now[name] for name in code)
         timed = row["status"] not in ENDED_ITSELF or _count(row["repeats"]) >= repeats
         if same and timed and (rerun == "missing" or row["status"] in ENDED_ITSELF):

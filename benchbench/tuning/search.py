@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import optuna
-from optuna.trial import Trial, TrialState
+from optuna.trial import FrozenTrial, Trial, TrialState
 
+from benchbench.storage.status import Status
 from benchbench.tuning.space import Space
 from benchbench.tuning.task import Task
 
@@ -27,14 +28,17 @@ def search(task: Task, study: optuna.Study, space: Space, plan: Plan, told: Call
         batches = [[run] for run in runs] if task.prune else [runs]
         done: list[Mapping[str, Any] | None] = []
         for batch in batches:
-            done += plan(trial.number, batch)
-            if task.prune:
+            reporting = [_reporting(task, trial.number, done)] if task.prune == "steps" else []
+            done += plan(trial.number, [[*run, *reporting] for run in batch])
+            if _given_up(done):
+                break
+            if task.prune == "problems":
                 trial.report(_cost(done[-1], task.objectives[0]), len(done) - 1)
                 if len(done) < len(runs) and trial.should_prune():
                     break
         bad = sum(not (record and record["certified"]) for record in done)
         _tell(task, study, trial, done, bad, len(runs))
-        told(_line(trial.number, study.trials[trial.number].values, task.objectives, len(done), bad, chosen))
+        told(_line(study.trials[trial.number], task.objectives, len(done), bad, chosen))
 
 
 def _tell(
@@ -47,10 +51,29 @@ def _tell(
 ) -> None:
     trial.set_constraint("uncertified", bad)
     trial.set_user_attr("uncertified", bad)
-    if len(done) < runs:
+    if len(done) < runs or _given_up(done):
         study.tell(trial, state=TrialState.PRUNED)
         return
     study.tell(trial, [sum(_cost(record, name) for record in done) for name in task.objectives])
+
+
+def _reporting(task: Task, trial: int, done: Sequence[Mapping[str, Any] | None]) -> str:
+    """The override that makes a run report its solves to the trial, see benchbench.tuning.steps."""
+    name = task.objectives[0]
+    before = float(sum(_cost(record, name) for record in done))
+    texts = {"storage": task.storage, "study_name": task.study_name, "objective": name}
+    told = [f"{key}:{_quoted(text)}" for key, text in texts.items()]
+    told += [f"trial:{trial}", f"problem:{len(done)}", f"before:{before!r}"]
+    return f"on_step={{_target_:benchbench.tuning.steps.Report,{','.join(told)}}}"
+
+
+def _quoted(text: str) -> str:
+    """A text in the quotes of Hydra's overrides."""
+    return "'" + text.replace("'", "\\'") + "'"
+
+
+def _given_up(done: Sequence[Mapping[str, Any] | None]) -> bool:
+    return any(record is not None and record["status"] == Status.PRUNED for record in done)
 
 
 def _cost(record: Mapping[str, Any] | None, name: str) -> float:
@@ -58,18 +81,12 @@ def _cost(record: Mapping[str, Any] | None, name: str) -> float:
     return WORST if value is None else float(value)
 
 
-def _line(
-    number: int,
-    values: Sequence[float] | None,
-    names: Sequence[str],
-    done: int,
-    bad: int,
-    chosen: Sequence[str],
-) -> str:
-    if bad:
+def _line(trial: FrozenTrial, names: Sequence[str], done: int, bad: int, chosen: Sequence[str]) -> str:
+    if trial.state == TrialState.PRUNED:
+        verdict = f"pruned in problem {done}"
+    elif bad:
         verdict = f"{bad} of {done} plans not certified"
-    elif values is None:
-        verdict = f"pruned after {done}"
     else:
-        verdict = ", ".join(f"{name} {value:.4f}" for name, value in zip(names, values, strict=True))
-    return f"trial {number}: {verdict}: {' '.join(chosen)}"
+        values = zip(names, trial.values, strict=True)
+        verdict = ", ".join(f"{name} {value:.4f}" for name, value in values)
+    return f"trial {trial.number}: {verdict}: {' '.join(chosen)}"

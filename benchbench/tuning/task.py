@@ -6,7 +6,6 @@ import random
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchbench.errors import BadInput
@@ -17,7 +16,7 @@ if TYPE_CHECKING:
     from optuna.storages import JournalStorage
 
 SAMPLERS = ("tpe", "nsga2", "random")
-JOURNAL = "journal:"
+PRUNE = ("problems", "steps")
 TRIES = 8
 """How often to try to open a database that answers with an error."""
 
@@ -28,7 +27,8 @@ class Task:
 
     objectives  numeric columns of the record, each summed over the problems and minimised
     storage     a database URL as SQLAlchemy takes it, or journal:FILE
-    prune       stop a trial between problems when it is surely worse than the best (one objective only)
+    prune       "problems": stop a trial between problems when it is surely worse than the best; "steps": stop a run
+                between its solves when the trial has cost more than the best; "": never. One objective only
     """
 
     study_name: str
@@ -37,12 +37,12 @@ class Task:
     objectives: tuple[str, ...]
     sampler: str
     seed: int | None
-    prune: bool
+    prune: str
 
     @classmethod
     def of(
         cls, study_name: str, storage: str, n_trials: int, objectives: Sequence[str], sampler: str, seed: int | None,
-        prune: bool,
+        prune: bool | str | None,
     ) -> Task:  # fmt: skip
         """Check them; raises BadInput."""
         numbers = [column.name for column in COLUMNS if column.type in ("int", "float")]
@@ -59,28 +59,19 @@ class Task:
             raise BadInput(
                 "hydra.sweeper.n_trials", f"{n_trials!r} was given", "a whole number of at least 1"
             )
-        if prune and len(objectives) > 1:
-            raise BadInput(
-                "hydra.sweeper.prune", "there are several objectives", "one objective, or prune=false"
-            )
-        return cls(study_name, storage, n_trials, tuple(objectives), sampler, seed, bool(prune))
+        kind = PRUNE[0] if prune is True else prune or ""
+        _check_prune(kind, objectives)
+        return cls(study_name, storage, n_trials, tuple(objectives), sampler, seed, kind)
 
     def open(self) -> optuna.Study:
         """Create the study or go on with it. Raises BadInput for a storage that does not answer or does not fit."""
         import optuna
-        from optuna.storages import JournalStorage
-        from optuna.storages.journal import JournalFileBackend
+
+        from benchbench.tuning.storage import opened
 
         optuna.logging.set_verbosity(optuna.logging.WARNING)
         try:
-            storage: str | JournalStorage = self.storage
-            if self.storage.startswith(JOURNAL):
-                path = Path(self.storage.removeprefix(JOURNAL))
-                path.parent.mkdir(parents=True, exist_ok=True)
-                storage = JournalStorage(JournalFileBackend(str(path)))
-            elif self.storage.startswith("sqlite:///"):
-                Path(self.storage.removeprefix("sqlite:///")).parent.mkdir(parents=True, exist_ok=True)
-            study = self._create(storage)
+            study = self._create(opened(self.storage))
         except Exception as error:  # noqa: BLE001  # each storage has its own
             problem = (
                 f"'{self.storage}' cannot be used: {str(error).splitlines()[0] if str(error) else error!r}"
@@ -112,10 +103,33 @@ class Task:
                 return optuna.create_study(
                     study_name=self.study_name, storage=storage, load_if_exists=True,
                     sampler=samplers[self.sampler](seed=self.seed), directions=["minimize"] * len(self.objectives),
-                    pruner=optuna.pruners.WilcoxonPruner(p_threshold=0.1) if self.prune else optuna.pruners.NopPruner(),
+                    pruner=self._pruner(),
                 )  # fmt: skip
             except (IntegrityError, OperationalError):
                 if not left:
                     raise
                 time.sleep(random.uniform(0.2, 1.0))
         raise AssertionError("unreachable")
+
+    def _pruner(self) -> optuna.pruners.BasePruner:
+        """Judges between problems; between solves the run itself asks, see benchbench.tuning.steps."""
+        import optuna
+
+        if self.prune == "problems":
+            return optuna.pruners.WilcoxonPruner(p_threshold=0.1)
+        return optuna.pruners.NopPruner()
+
+
+def _check_prune(kind: str, objectives: Sequence[str]) -> None:
+    if kind not in ("", *PRUNE):
+        raise BadInput("hydra.sweeper.prune", f"{kind!r} was given", "false, " + ", ".join(PRUNE))
+    if kind and len(objectives) > 1:
+        raise BadInput("hydra.sweeper.prune", "there are several objectives", "one objective, or prune=false")
+    if kind == "steps":
+        from benchbench.tuning.steps import REPORTED
+
+        if objectives[0] not in REPORTED:
+            problem = f"{objectives[0]} is not known between two solves"
+            raise BadInput(
+                "hydra.sweeper.prune", problem, f"objectives of {', '.join(REPORTED)}, or prune=problems"
+            )

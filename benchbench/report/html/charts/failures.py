@@ -11,7 +11,7 @@ from benchbench.storage.status import Status
 COLORS = dict(
     zip(
         Status,
-        (GOOD, "#E69F00", "#D55E00", "#CC79A7", "#F0A5C8", "#8A5A9E", "#1A1A1A", "#5B4636", "#9A9A9A", "#C4C4C4", "#D9C77E", "#B22222"),
+        (GOOD, "#E69F00", "#D55E00", "#CC79A7", "#F0A5C8", "#8A5A9E", "#1A1A1A", "#5B4636", "#7FB7BE", "#9A9A9A", "#C4C4C4", "#D9C77E", "#B22222"),
         strict=True,
     )
 )  # fmt: skip
