@@ -64,7 +64,7 @@ def assemble(mpcc: Mpcc, compile: Compile = "auto", adjustable: Collection[str] 
     blocks = _blocks(mpcc)
     costs = sum(1 for b in mpcc.costs if b.instances)
     with spending(DERIVATIVES):
-        local = derivatives([b.function for b in blocks], compile)
+        local = derivatives([b.function for b in blocks], compile, [b.instances for b in blocks])
     free = _open(mpcc, adjustable)
     x, p = ca.MX.sym("x", mpcc.size), ca.MX.sym("p", 1 + sum(b.parameters.size for b in free))
     sigma, *open_numbers = ca.vertsplit(p, np.cumsum([0, 1, *(b.parameters.size for b in free)]).tolist())
@@ -154,9 +154,9 @@ class _Part:
     def hessian(self, weight: ca.MX) -> _Entries:
         """Entries of the upper triangle of the Hessian of weight . out."""
         outputs = self.block.function.size1_out(0)
-        lam = ca.repmat(weight, outputs, self.block.instances)
-        if weight.numel() == outputs * self.block.instances:
-            lam = ca.reshape(weight, outputs, self.block.instances)
+        shape = (outputs, self.block.instances)
+        own = weight.numel() == outputs * self.block.instances
+        lam = ca.reshape(weight, *shape) if own else ca.repmat(weight, *shape)
         i, j = (
             self.index[:, self.local.hessian_rows].ravel(),
             self.index[:, self.local.hessian_columns].ravel(),

@@ -14,12 +14,13 @@ import platform
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -30,6 +31,12 @@ from benchbench.mpcc import Index
 log = logging.getLogger(__name__)
 Compile = Literal["auto", "never"]
 FLAGS = ("-O0", "-fPIC", "-shared")
+"""-O1 halves the time of an evaluation (verlet: 3.2 to 1.5 ms for 100 intervals), but gcc takes 6 s in place of 1.1."""
+FUNCTIONS, PATTERN, LIBRARY = "functions.casadi", "pattern.npz", "block.so"
+KINDS = ("value", "first", "second")
+PLACES = ("rows", "columns", "hessian_rows", "hessian_columns")
+MANY, SMALL, LARGE = 25, 500, 10_000
+"""A block is compiled from SMALL operations on if it has MANY instances, else from LARGE on."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +45,7 @@ class Derivatives:
 
     value(z, p, sigma) -> out; jacobian(z, p, sigma) -> nonzeros of d out / dz at (`rows`, `columns`);
     hessian(z, p, sigma, lam) -> nonzeros of the upper triangle of d2 (lam . out) / dz2 at
-    (`hessian_rows`, `hessian_columns`).
+    (`hessian_rows`, `hessian_columns`). compiled: or not worth it.
     """
 
     value: ca.Function
@@ -51,23 +58,32 @@ class Derivatives:
     compiled: bool
 
 
-def derivatives(functions: Sequence[ca.Function], compile: Compile = "auto") -> list[Derivatives]:
-    """Return the derivatives of each function, from the cache where possible."""
+def derivatives(
+    functions: Sequence[ca.Function], compile: Compile = "auto", instances: Sequence[int] | None = None
+) -> list[Derivatives]:
+    """Return the derivatives of each function, from the cache where possible.
+
+    instances: how often each function is applied; None: often enough to compile it. Processes that meet at an
+    empty cache wait for each other, so that each function is differentiated and compiled once.
+    """
     root = cache_root()
     folders = [_folder(f, root) for f in functions]
-    missing = {p: f for p, f in zip(folders, functions, strict=True) if not _intact(p / "functions.casadi")}
-    for folder, function in missing.items():
-        with tempfile.TemporaryDirectory(dir=folder) as scratch:
-            _differentiate(function).save(Path(scratch) / "functions.casadi")
-            _publish(Path(scratch) / "functions.casadi", folder)
+    by_folder = dict(zip(folders, functions, strict=True))
+    with _lacking(by_folder, FUNCTIONS, PATTERN) as missing:
+        for folder in missing:
+            _differentiate(by_folder[folder], folder)
+    found = [_Pattern.load(folder) for folder in folders]
+    often = [MANY] * len(functions) if instances is None else instances
+    worth = [p.worth_compiling(n) or instances is None for p, n in zip(found, often, strict=True)]
     if compile == "auto" and shutil.which("gcc"):
-        _compile_all([p for p in dict.fromkeys(folders) if not _intact(p / "block.so")])
-    return [_load(folder, compile) for folder in folders]
+        with _lacking([p for p, w in zip(folders, worth, strict=True) if w], LIBRARY) as missing:
+            _compile_all(missing)
+    return [_load(*each, compile) for each in zip(folders, functions, found, worth, strict=True)]
 
 
 def library(function: ca.Function) -> Path | None:
     """Return the shared library with the compiled derivatives of a block function, or None."""
-    path = _folder(function, cache_root()) / "block.so"
+    path = _folder(function, cache_root()) / LIBRARY
     return path if _intact(path) else None
 
 
@@ -96,25 +112,46 @@ def _temporary_root(refused: Path, reason: str) -> Path:
     return root
 
 
-class _Bundle:
-    """Several CasADi functions in one file."""
+@contextmanager
+def _lacking(folders: Iterable[Path], *names: str) -> Iterator[list[Path]]:
+    """Lock the entries that lack a sound file of these names; yields those that still do when it is our turn."""
 
-    def __init__(self, functions: Sequence[ca.Function]) -> None:
-        self.functions = functions
+    def lacks(folder: Path) -> bool:
+        return not all(_intact(folder / name) for name in names)
 
-    def save(self, path: Path) -> None:
-        serializer = ca.FileSerializer(str(path))
-        for function in self.functions:
-            serializer.pack(function)
-        del serializer
+    missing = sorted(filter(lacks, set(folders)))
+    with ExitStack() as stack:
+        if missing:
+            from filelock import FileLock  # slow to import and seldom needed
 
-    @staticmethod
-    def load(path: Path, count: int) -> list[ca.Function]:
-        reader = ca.FileDeserializer(str(path))
-        return [reader.unpack() for _ in range(count)]
+            for folder in missing:  # sorted, so that no two processes wait for each other
+                stack.enter_context(FileLock(folder / "lock"))
+        yield list(filter(lacks, missing))
 
 
-def _differentiate(function: ca.Function) -> _Bundle:
+@dataclass(frozen=True)
+class _Pattern:
+    """Where the nonzeros of Jacobian and Hessian are, and how many operations value and derivatives take."""
+
+    rows: Index
+    columns: Index
+    hessian_rows: Index
+    hessian_columns: Index
+    operations: int
+
+    @classmethod
+    def load(cls, folder: Path) -> _Pattern:
+        with np.load(folder / PATTERN) as file:
+            places = [file[name] for name in PLACES]
+            return cls(places[0], places[1], places[2], places[3], int(file["operations"]))
+
+    def worth_compiling(self, instances: int) -> bool:
+        """Tell whether it pays: gcc takes at least 0.06 s a block, which a few interpreted operations never cost."""
+        return self.operations >= (SMALL if instances >= MANY else LARGE)
+
+
+def _differentiate(function: ca.Function, folder: Path) -> None:
+    """Fill an entry: the functions, then the pattern, whose presence says that both are there."""
     name = function.name()
     z, p, sigma = function.sx_in()
     out = function(z, p, sigma)
@@ -122,43 +159,69 @@ def _differentiate(function: ca.Function) -> _Bundle:
     lam = ca.SX.sym("lam", out.shape[0])
     hessian = ca.triu(ca.hessian(ca.dot(lam, out), z)[0])
     out, jacobian, hessian = (ca.cse(e) for e in (out, jacobian, hessian))
-    value = ca.Function(f"{name}_value", [z, p, sigma], [ca.densify(out)])
-    flat = ca.Function(f"{name}_first", [z, p, sigma], [_nonzeros(jacobian)], {"allow_free": False})
-    curve = ca.Function(f"{name}_second", [z, p, sigma, lam], [_nonzeros(hessian)])
-    pattern = ca.Function(
-        f"{name}_pattern", [], [ca.DM(jacobian.sparsity(), 1), ca.DM(hessian.sparsity(), 1)]
+    made = (
+        ca.Function(f"{name}_value", [z, p, sigma], [ca.densify(out)]),
+        ca.Function(f"{name}_first", [z, p, sigma], [_nonzeros(jacobian)], {"allow_free": False}),
+        ca.Function(f"{name}_second", [z, p, sigma, lam], [_nonzeros(hessian)]),
     )
-    return _Bundle([value, flat, curve, pattern])
+    places = [np.array(i, dtype=np.int64) for e in (jacobian, hessian) for i in e.sparsity().get_triplet()]
+    count = sum(f.n_instructions() for f in made)
+    with tempfile.TemporaryDirectory(dir=folder) as scratch:
+        serializer = ca.FileSerializer(str(Path(scratch, FUNCTIONS)))
+        for each in made:
+            serializer.pack(each)
+        del serializer  # closes the file
+        _publish(Path(scratch, FUNCTIONS), folder)
+        with Path(scratch, PATTERN).open("wb") as file:
+            numbers: dict[str, Any] = dict(zip(PLACES, places, strict=True))
+            np.savez(file, operations=count, **numbers)
+        _publish(Path(scratch, PATTERN), folder)
+
+
+def _functions(folder: Path) -> list[ca.Function]:
+    """Value, first and second derivatives; raises RuntimeError when the file is damaged."""
+    reader = ca.FileDeserializer(str(folder / FUNCTIONS))
+    return [reader.unpack() for _ in range(3)]
 
 
 def _nonzeros(matrix: ca.SX) -> ca.SX:
     return ca.sparsity_cast(matrix, ca.Sparsity.dense(matrix.nnz(), 1))
 
 
-def _load(folder: Path, compile: Compile) -> Derivatives:
-    value, first, second, pattern = _Bundle.load(folder / "functions.casadi", 4)
-    compiled = compile != "never" and _intact(folder / "block.so")
-    if compiled:
-        try:
-            value, first, second = (
-                ca.external(f.name(), str(folder / "block.so")) for f in (value, first, second)
-            )
-        except RuntimeError as error:  # for example a file system that forbids to execute
-            log.warning("a compiled block cannot be loaded and stays interpreted: %s", error)
-            compiled = False
-    places = [
-        np.array(i, dtype=np.int64) for matrix in pattern.call([]) for i in matrix.sparsity().get_triplet()
-    ]
-    return Derivatives(value, first, second, places[0], places[1], places[2], places[3], compiled)
+def _load(
+    folder: Path, function: ca.Function, pattern: _Pattern, worth: bool, compile: Compile
+) -> Derivatives:
+    wanted = compile != "never" and worth
+    made = _compiled(folder, function.name()) if wanted else None
+    value, first, second = made or _functions(folder)
+    return Derivatives(
+        value, first, second, pattern.rows, pattern.columns, pattern.hessian_rows, pattern.hessian_columns,
+        compile != "never" and (made is not None or not worth),
+    )  # fmt: skip
+
+
+def _compiled(folder: Path, name: str) -> list[ca.Function] | None:
+    if not _intact(folder / LIBRARY):
+        return None
+    try:
+        return [ca.external(f"{name}_{what}", str(folder / LIBRARY)) for what in KINDS]
+    except RuntimeError as error:  # for example a file system that forbids to execute
+        log.warning("a compiled block cannot be loaded and stays interpreted: %s", error)
+        return None
 
 
 def _folder(function: ca.Function, root: Path) -> Path:
-    """Folder of one function; the name depends on everything its content does, this module included."""
-    here = Path(__file__).read_bytes()
-    what = "|".join([function.serialize(), metadata.version("casadi"), platform.machine(), *FLAGS])
-    folder = root / hashlib.sha256(here + what.encode()).hexdigest()[:32]
+    """Folder of one function; the name depends on everything its content does."""
+    folder = root / hashlib.sha256((_maker() + function.serialize()).encode()).hexdigest()[:32]
     folder.mkdir(exist_ok=True)
     return folder
+
+
+@cache
+def _maker() -> str:
+    """What makes the entries: this module, CasADi, the machine, the compiler's flags."""
+    here = Path(__file__).read_text()
+    return "|".join([here, metadata.version("casadi"), platform.machine(), *FLAGS])
 
 
 def _publish(file: Path, folder: Path) -> None:
@@ -183,15 +246,15 @@ def _compile_all(folders: Sequence[Path]) -> None:
     for folder in folders:
         scratch = Path(tempfile.mkdtemp(dir=folder))
         source = ca.CodeGenerator("block.c")
-        for function in _Bundle.load(folder / "functions.casadi", 3):
+        for function in _functions(folder):
             source.add(function)
         source.generate(str(scratch) + os.sep)
-        command = ["gcc", *FLAGS, str(scratch / "block.c"), "-o", str(scratch / "block.so"), "-lm"]
+        command = ["gcc", *FLAGS, str(scratch / "block.c"), "-o", str(scratch / LIBRARY), "-lm"]
         jobs.append((folder, scratch, subprocess.Popen(command, stderr=subprocess.PIPE)))
     for folder, scratch, job in jobs:
         _, stderr = job.communicate()
         if job.returncode == 0:
-            _publish(scratch / "block.so", folder)
+            _publish(scratch / LIBRARY, folder)
         else:
             log.warning(
                 "gcc failed, the block stays interpreted: %s", stderr.decode(errors="replace").strip()[-200:]

@@ -4,39 +4,22 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 
-import casadi as ca
-import numpy as np
 import pytest
+from curved import check, curved
 
-from benchbench.blocks import Derivatives, cache_root, derivatives
-
-Z = np.array([0.3, -1.2, 0.8])
-
-
-def curved(name: str = "curved", factor: float = 2.0) -> ca.Function:
-    z, p, s = ca.SX.sym("z", 3), ca.SX.sym("p", 1), ca.SX.sym("sigma")
-    out = ca.vertcat(ca.sin(z[0] * z[1]) + s, p * z[2] ** 3 + factor * z[0], z[1])
-    return ca.Function(name, [z, p, s], [out])
-
-
-def check(found: Derivatives) -> None:
-    """Value and derivatives at one point, worked out by hand for factor 2, p = 5, sigma = 0.1."""
-    a, b, c = Z
-    value = np.asarray(found.value(Z, 5.0, 0.1)).ravel()
-    np.testing.assert_allclose(value, [np.sin(a * b) + 0.1, 5 * c**3 + 2 * a, b], rtol=1e-14)
-    jacobian = np.zeros((3, 3))
-    jacobian[found.rows, found.columns] = np.asarray(found.jacobian(Z, 5.0, 0.1)).ravel()
-    cos, sin = np.cos(a * b), np.sin(a * b)
-    np.testing.assert_allclose(jacobian, [[b * cos, a * cos, 0], [2, 0, 15 * c**2], [0, 1, 0]], rtol=1e-14)
-    hessian = np.zeros((3, 3))
-    entries = np.asarray(found.hessian(Z, 5.0, 0.1, [1.0, 10.0, 7.0])).ravel()
-    hessian[found.hessian_rows, found.hessian_columns] = entries
-    upper = [[-b * b * sin, cos - a * b * sin, 0], [0, -a * a * sin, 0], [0, 0, 300 * c]]
-    np.testing.assert_allclose(hessian, upper, rtol=1e-13, atol=1e-14)
+from benchbench import config
+from benchbench.assemble import assemble
+from benchbench.blocks import cache_root, derivatives
+from benchbench.formulation import free_contact, phases
+from benchbench.guess import straight_line
+from benchbench.relaxation import relax
 
 
 @pytest.fixture(autouse=True)
@@ -112,7 +95,7 @@ def test_failing_compiler_is_reported(
 
 
 @pytest.mark.parametrize("damage", ["truncated", "garbled", "unsealed"])
-@pytest.mark.parametrize("name", ["functions.casadi", "block.so"])
+@pytest.mark.parametrize("name", ["functions.casadi", "pattern.npz", "block.so"])
 def test_damaged_entry_is_made_again(root: Path, name: str, damage: str) -> None:
     """In a process of its own: a truncated library kills whoever loads it."""
     needs_gcc()
@@ -135,17 +118,81 @@ def test_damaged_entry_is_made_again(root: Path, name: str, damage: str) -> None
 
 def elsewhere() -> subprocess.Popen[bytes]:
     """Check the derivatives in another process; it exits with 0 when they are right and compiled."""
-    code = "import test_blocks_cache as t; d, = t.derivatives([t.curved()]); t.check(d); assert d.compiled"
+    code = "import curved as t; d, = t.derivatives([t.curved()]); t.check(d); assert d.compiled"
     return subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parent)
 
 
-def test_two_processes_at_once(root: Path) -> None:
+@pytest.fixture
+def compilers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], int]:
+    """How many times gcc was called, by any process, from now on."""
     needs_gcc()
-    both = [elsewhere(), elsewhere()]
-    assert [process.wait(60) for process in both] == [0, 0]
-    assert len(list(root.rglob("block.so"))) == 1
-    leftovers = {p.name for p in root.rglob("*") if p.is_file()}
-    assert leftovers == {"functions.casadi", "functions.casadi.sha256", "block.so", "block.so.sha256"}
+    calls = tmp_path / "calls"
+    counting = tmp_path / "bin" / "gcc"
+    counting.parent.mkdir()
+    counting.write_text(f'#!/bin/sh\necho called >> "{calls}"\nexec "{shutil.which("gcc")}" "$@"\n')
+    counting.chmod(0o755)
+    monkeypatch.setenv("PATH", str(counting.parent), prepend=os.pathsep)
+    return lambda: len(calls.read_text().splitlines()) if calls.exists() else 0
+
+
+def test_many_processes_at_a_cold_cache(root: Path, compilers: Callable[[], int]) -> None:
+    several = [elsewhere() for _ in range(6)]
+    assert [process.wait(120) for process in several] == [0] * 6
+    assert compilers() == 1, "the others waited and took what the first one made"
+    made = {p.name for p in root.rglob("*") if p.is_file()} - {"lock"}
+    assert made == {
+        f"{n}{s}" for n in ("functions.casadi", "pattern.npz", "block.so") for s in ("", ".sha256")
+    }
+
+
+def test_a_process_killed_while_compiling_blocks_nobody(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    needs_gcc()
+    started, slow = tmp_path / "started", tmp_path / "slow" / "gcc"
+    slow.parent.mkdir()
+    slow.write_text(f'#!/bin/sh\ntouch "{started}"\nexec sleep 60\n')
+    slow.chmod(0o755)
+    with monkeypatch.context() as patch:
+        patch.setenv("PATH", str(slow.parent), prepend=os.pathsep)
+        dying = subprocess.Popen(
+            [sys.executable, "-c", "import curved as t; t.derivatives([t.curved()])"],
+            cwd=Path(__file__).parent, start_new_session=True,
+        )  # fmt: skip
+        while not started.exists():
+            assert dying.poll() is None
+            time.sleep(0.05)
+    os.killpg(dying.pid, signal.SIGKILL)
+    dying.wait(10)
+    assert elsewhere().wait(60) == 0
+
+
+def test_one_compilation_for_a_whole_handover_sweep(root: Path, compilers: Callable[[], int]) -> None:
+    """Other N, contact length, bounds, target of the same kind and guess: nothing is differentiated or compiled."""
+
+    def prepare(*overrides: str) -> None:
+        case = config.compose("+scenario=circle", *overrides)
+        line = straight_line(case)
+        for mpcc in (phases(case, line).mpcc, relax(free_contact(case, line).mpcc, case.relaxation)):
+            assert assemble(mpcc).compiled
+
+    prepare("scenario.intervals=30")
+    before, compiled = files(root), compilers()
+    assert compiled > 0
+    prepare(
+        "scenario.intervals=70", "scenario.kappa_init=13", "scenario.target.rate_radps=-0.4",
+        "scenario.target.centre_m=[1.2,0.1,0.5]", "scenario.travel_time=[0.5,9.0]", "scenario.workspace.z=[0.1,1.2]",
+        "scenario.travel_time_guess=4.0", "scenario.contact_guess=0.5", "scenario.end.x=2.2",
+    )  # fmt: skip
+    assert compilers() == compiled
+    assert files(root) == before
+
+
+def test_blocks_with_little_work_are_not_compiled(compilers: Callable[[], int]) -> None:
+    (found,) = derivatives([curved()], instances=[1000])
+    check(found)
+    assert found.compiled, "as fast as it would be"
+    assert compilers() == 0
 
 
 def test_unwritable_cache_folder(

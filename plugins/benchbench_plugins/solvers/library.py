@@ -40,7 +40,7 @@ ADJOINT: Signatures = {
 def oracle(program: Program, mpcc: Mpcc, wanted: Signatures) -> ca.Function | None:
     """Return the program as a library function with all `wanted` functions beside it, or None if impossible.
 
-    Impossible: blocks that are not compiled, two blocks with one name, a function we do not know, or a
+    Impossible: blocks that should be compiled and are not, two blocks with one name, a function we do not know, or a
     compiler that fails.
     """
     libraries = _libraries(mpcc) if program.compiled else None
@@ -70,11 +70,11 @@ def signatures(solver: ca.Function) -> Signatures:
 
 
 def _libraries(mpcc: Mpcc) -> list[Path] | None:
-    """Libraries of all blocks; None when one is missing or two define the same symbols."""
+    """Libraries of the compiled blocks (small ones go into ours); None when two define the same symbols."""
     by_name: dict[str, Path] = {}
     for block in (*mpcc.costs, *mpcc.constraints):
         path = library(block.function) if block.instances else None
-        if block.instances and (path is None or by_name.setdefault(block.function.name(), path) != path):
+        if path is not None and by_name.setdefault(block.function.name(), path) != path:
             return None
     return sorted(set(by_name.values()))
 
