@@ -150,6 +150,7 @@ def _posed(case: Case, result: Result) -> dict[str, Any]:
         "n_pairs": sum(p.count for p in mpcc.pairs),
         "mpcc_hash": mpcc.digest,
         "solver_version": case.solver.version(),
+        **result.account,
     }
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from benchbench.case import Case, Ledger
 from benchbench.formulation import Problem
@@ -13,11 +15,15 @@ from benchbench.plan import Plan
 
 @dataclass(frozen=True)
 class Result:
-    """The problem that was posed in the end, its claimed solution, and the plan it says."""
+    """The problem that was posed in the end, its claimed solution, and the plan it says.
+
+    `account`: what the strategy did to get there, as columns of the record.
+    """
 
     problem: Problem
     solved: Solved
     plan: Plan
+    account: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -106,6 +106,8 @@ def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     ]  # fmt: skip
     if r["contact_start_s"] is not None:
         lines.append(("contact", f"{_contacts(r)}\n{_worst(r)}"))
+    if r["search"]:
+        lines.append(("search", r["search"]))
     if r["gates"] is not None:
         worst = _scaled(r["gate_worst_miss_m"], 1e3, "mm beyond a gate's edge at worst") or "-"
         lines.append(("gates", f"{r['gates_passed']} of {r['gates']} in order, {worst}"))
@@ -132,7 +134,7 @@ def _contacts(r: Mapping[str, Any]) -> str:
     """When each stop is made, or the one contact there is."""
     shortest = f"{r['contact_duration_s']:.3f} s, {r['contact_steps']} nodes"
     stops = r["stops"] or ()
-    if len(stops) < 2 and r["reward_s"] in (None, 0.0):
+    if all(stop.startswith("target ") for stop in stops):  # the only one
         return f"{r['contact_start_s']:.3f} to {r['contact_end_s']:.3f} s: {shortest}"
     worth = f"\nworth {r['reward_s']:g} s" if r["reward_s"] else ""
     return "\n".join(stops) + f"\nat least {shortest}{worth}"

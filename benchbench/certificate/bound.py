@@ -20,8 +20,6 @@ STEP = 1e-3
 
 def lower_bound(scenario: Scenario, model: Model, plant: Plant) -> float:
     """Return a time in s that no plan can beat; `inf` when no allowed travel time reaches every stop asked for."""
-    if isinstance(scenario, Race):
-        return race_bound(scenario, model, plant)
     return min(sequence_bound(scenario, made, model, plant) for made in scenario.itinerary.sequences())
 
 
@@ -33,6 +31,8 @@ def sequence_bound(scenario: Scenario, made: Sequence[Stop], model: Model, plant
     times that follow each other for all stops, and needs the time from the last one to the end. From stop to stop
     each axis may choose its own time at the stop before, which can only make the bound smaller.
     """
+    if isinstance(scenario, Race):
+        return race_bound(scenario, model, plant)
     index = [model.configuration.index(name) for name in AXES]
     speed = model.velocity.upper[index]
     start, end = scenario.start_point(model)[index], scenario.end_point(model)[index]

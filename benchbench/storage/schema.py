@@ -57,6 +57,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("travel_time_s", "float", "s", "travel time t_N of the plan"),
     Column("objective", "float", "", "value of the cost t_N + c_u sum h |u - u_ref|^2"),
     Column("lower_bound_s", "float", "s", "proved lower bound of the travel time"),
+    Column("search", "str", "", "what a strategy that tries candidates tried and proved; empty for others"),
     # what it cost
     Column("iterations", "int", "", "solver iterations, summed over all solves of the run"),
     Column("evaluations", "int", "", "calls of objective, constraints and their derivatives, summed over all solves"),

@@ -1,0 +1,51 @@
+"""Which stops, and in what order: every allowed sequence as a flight of phases, the best one returned."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import final
+
+from pydantic.dataclasses import dataclass
+
+from benchbench import posing
+from benchbench.case import Case, Ledger
+from benchbench.certificate.bound import sequence_bound
+from benchbench.search import Candidate, Found, best_first
+from benchbench.stop import Stop
+from benchbench.strategy import Result, Strategy, pose
+
+
+@final
+@dataclass(frozen=True)
+class Sequences(Strategy):
+    """Enumeration over phase sequences, from the smallest lower bound on, pruned by the best cost so far.
+
+    The bound is that of speed limits and reach, less the rewards; it is a proof. Each solve is smooth and local: what
+    is returned is the best of the local optima of all sequences that were not pruned, and the account says how many
+    were solved, pruned, failed or left for want of time.
+    """
+
+    def solve(self, case: Case, ledger: Ledger) -> Result:
+        """Bound, sort, solve."""
+        scenario, model = case.scenario, case.model
+        plant = model.plant()
+
+        def candidate(made: tuple[Stop, ...]) -> Candidate[tuple[Stop, ...]]:
+            worth = sum(stop.reward or 0.0 for stop in made)
+            return Candidate(made, sequence_bound(scenario, made, model, plant) - worth)
+
+        best, account = best_first(
+            (candidate(made) for made in scenario.itinerary.sequences()),
+            lambda made: self._fly(case, ledger, made),
+            lambda: ledger.seconds_left > 0.1,
+        )
+        return replace(best.result, account={"search": account.told("sequences")})
+
+    def _fly(self, case: Case, ledger: Ledger, made: tuple[Stop, ...]) -> Found[Result]:
+        start = posing.start(case, ledger, made)
+        with ledger.building():
+            problem = posing.phases(case, start)
+        names = ", ".join(stop.name for stop in made) or "no stop"
+        result = pose(problem, case, ledger, f"phases: {names}")
+        outcome = result.solved.outcome
+        return Found(result, outcome.objective if outcome.claim == "solved" else float("inf"))
