@@ -42,7 +42,7 @@ FAMILIES = tuple(family for family in KINDS if family != "scenario")
 NUMBERS = {"seed": (int, 0), "time_limit": (float, 1e-3), "iteration_limit": (int, 1)}
 """Numbers of a run with their type and smallest value."""
 WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
-FIELDS = (*KINDS, *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
+FIELDS = (*KINDS, "peer", *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
 
 
 class ThirdPartyConfig(SearchPathPlugin):
@@ -141,6 +141,10 @@ def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:
             raise BadInput(key, f"{cfg.get(key)!r} was given", ", ".join(allowed_words))
     if cfg.get("output") in (None, ""):
         raise BadInput("output", f"{cfg.get('output')!r} was given", "the path of a folder")
+    if chosen.get("peer") and chosen.get("strategy") != "peer":
+        raise BadInput(
+            "peer", f"'{chosen['peer']}' is chosen, but not asked", "strategy=peer beside it, or no peer"
+        )
     settings.Settings.of(cfg)
 
 

@@ -50,6 +50,10 @@ class OutOfMemory(BenchBenchError):
     """The process of a run died of its memory limit."""
 
 
+class NoPlan(BenchBenchError):
+    """An external planner ended without a plan that can be read."""
+
+
 def unknown_choice(field: str, value: str, available: Iterable[str]) -> BadInput:
     """Return the error for a misspelt plugin or scenario name, listing what exists."""
     return BadInput(field, f"'{value}' does not exist", ", ".join(sorted(available)))

@@ -18,7 +18,7 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
 from benchbench import config, pipeline, settings
-from benchbench.errors import BadInput, BenchBenchError, Crash, OutOfMemory, Pruned, Timeout
+from benchbench.errors import BadInput, BenchBenchError, Crash, NoPlan, OutOfMemory, Pruned, Timeout
 from benchbench.failure import failed, reason
 from benchbench.hydra_errors import EXPECTED, explained
 from benchbench.progress import LiveLine
@@ -27,6 +27,8 @@ from benchbench.storage.schema import Record
 
 CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2
 KILLED = (Timeout, Crash, OutOfMemory)
+NO_INPUT = (*KILLED, NoPlan)
+"""Errors that are about neither the input nor our own code."""
 
 
 @dataclass(frozen=True)
@@ -102,10 +104,10 @@ def failure(error: Exception, cfg: DictConfig, place: Place | None, **columns: A
     expected = isinstance(error, EXPECTED)
     told = explained(error) if expected else error
     said = () if isinstance(error, Pruned) else (_complaint(error, told),)
-    code = BAD_INPUT if expected and not isinstance(error, (*KILLED, Pruned)) else NOT_CERTIFIED
+    code = BAD_INPUT if expected and not isinstance(error, (*NO_INPUT, Pruned)) else NOT_CERTIFIED
     if place is None or place.stored:  # stored: only the recording or the picture is missing
         return Ended(code, None, {}, said)
-    if place.sweep or not expected or isinstance(error, KILLED):
+    if place.sweep or not expected or isinstance(error, NO_INPUT):
         record = failed(told, place.chosen, place.labels | _sizes(cfg) | columns)
         try:
             store(record, place)
@@ -137,6 +139,8 @@ def _complaint(error: Exception, told: Exception) -> Complaint:
     trace = "".join(traceback.format_exception(error))
     if isinstance(told, KILLED):
         return Complaint("the process of the run died", reason(told))
+    if isinstance(told, NoPlan):
+        return Complaint("there is no plan", reason(told))
     if isinstance(told, BenchBenchError):
         return Complaint("bad input", reason(told), trace)
     advice = "\n--traceback shows where; if no wrong input is named, please report it"

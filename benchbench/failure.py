@@ -27,6 +27,9 @@ def failed(error: BaseException, chosen: Mapping[str, Any], labels: Mapping[str,
     chosen: names of the choices by family; labels: other columns that are known by now.
     """
     names = {family: chosen[family] for family in CHOICES if family in chosen}
+    if chosen.get("peer"):  # it stands for the solver; our other choices played no part
+        ours = ("scenario", "vehicle", "strategy")
+        names = {"solver": chosen["peer"], **{family: names[family] for family in ours if family in names}}
     known = {
         **provenance.collect(), **names, "status": status(error), "reasons": [reason(error)],
         "claimed_success": False, "certified": False, "peak_memory_mb": provenance.peak_memory_mb(),

@@ -42,7 +42,7 @@ def listing(arguments: Sequence[str]) -> Iterator[str]:
         yield from _everything()
         return
     family, _, name = arguments[0].partition("=")
-    if family not in config.FAMILIES or name not in config.choices(family):
+    if family not in (*config.FAMILIES, "peer") or name not in config.choices(family):
         raise BadInput(
             "plugins", f"'{arguments[0]}' does not exist", " ".join(f"{f}=NAME" for f in config.FAMILIES)
         )
@@ -54,7 +54,7 @@ def listing(arguments: Sequence[str]) -> Iterator[str]:
 
 def _everything() -> Iterator[str]:
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
-        found = {family: _family(family) for family in config.FAMILIES}
+        found = {family: _family(family) for family in (*config.FAMILIES, "peer")}
     found |= {family: _registered(family) for family in ("contacts", "motions")}
     widths = tuple(
         max(len(getattr(row, k)) for rows in found.values() for row in rows) for k in ("name", "origin")
@@ -72,7 +72,14 @@ def _family(family: str) -> list[Row]:
         with ThreadPoolExecutor(2) as pool:
             tried = pool.map(lambda name: works(configs[name]) if here[name].works else here[name], configs)
             here = dict(zip(configs, tried, strict=True))
+    if family == "peer":
+        here = {name: _peer(fields) if here[name].works else here[name] for name, fields in configs.items()}
     return [Row(name, here[name], _origin(fields), _text(fields)) for name, fields in configs.items()]
+
+
+def _peer(fields: dict[str, Any]) -> Availability:
+    missing = hydra.utils.instantiate(fields, _convert_="all").missing()
+    return Availability(not missing, missing)
 
 
 def _registered(family: str) -> list[Row]:

@@ -1,8 +1,7 @@
 """A quadrotor of its own, flown through gates by a feedback controller: plans that none of our code has made.
 
 Rotation matrices, forces rotor by rotor, SciPy's integrator, thrusts held for each step of the controller (Lee,
-Leok & McClamroch 2010, doi:10.1109/CDC.2010.5717652). Also the public planners' CSV. Run as a program it is a
-stand-in for them, see `peer_stand_in`.
+Leok & McClamroch 2010, doi:10.1109/CDC.2010.5717652). Also the public planners' CSV.
 """
 
 from __future__ import annotations
@@ -49,39 +48,45 @@ class Flown:
 
 
 def fly(
-    places: Sequence[Sequence[float]] = GOOD, seconds: float = 1.4, step: float = 0.01,
-    gust: Callable[[float], np.ndarray] | None = None,
+    places: Sequence[Sequence[float]] = GOOD, seconds: float = 1.4, step: float = 0.02, rest: bool = False,
+    linear: bool = False, gust: Callable[[float], np.ndarray] | None = None,
 ) -> Flown:  # fmt: skip
-    """Fly along a spline from place to place, `seconds` each; `gust` adds thrusts that the file does not tell of."""
+    """Fly along a spline from place to place, `seconds` each, to the end or to rest there.
+
+    linear: thrusts run linearly to what the controller asked for a step ago; gust: thrusts that the file does not tell of.
+    """
     knots = seconds * np.arange(len(places))
-    still = [(1, np.zeros(3)), (2, np.zeros(3))]
-    path = make_interp_spline(
-        knots, np.array(places, float), 5, bc_type=(still, [(2, np.zeros(3)), (3, np.zeros(3))])
-    )
+    still, last = [(1, np.zeros(3)), (2, np.zeros(3))], [(2, np.zeros(3)), (3, np.zeros(3))]
+    path = make_interp_spline(knots, np.array(places, float), 5, bc_type=(still, still if rest else last))
     state = np.concatenate([np.array(places[0], float), np.eye(3).ravel(), np.zeros(6)])
     rows = []
     count = round(knots[-1] / step)
+    old = np.full(4, MASS * GRAVITY / 4)
     for k in range(count + 1):
         t = k * step
-        u = controlled(state, [path(t, nu) for nu in range(4)])
+        new = controlled(state, [path(t, nu) for nu in range(4)])
         q = Rotation.from_matrix(state[3:12].reshape(3, 3)).as_quat(scalar_first=True)
-        rows.append([t, *state[:3], *(q if q[0] >= 0 else -q), *state[12:], *u])
+        rows.append([t, *state[:3], *(q if q[0] >= 0 else -q), *state[12:], *(old if linear else new)])
         if k < count:
-            state = step_on(state, t, t + step, u, gust)
+            state = step_on(state, t, t + step, (old if linear else new, new), gust)
             left, _, right = np.linalg.svd(state[3:12].reshape(3, 3))
             state[3:12] = (left @ right).ravel()
+        old = new
     return Flown(np.array(rows))
 
 
 def step_on(
-    state: np.ndarray, t: float, end: float, u: np.ndarray, gust: Callable[[float], np.ndarray] | None
-) -> np.ndarray:
-    """State at the end of a step with held thrusts."""
+    state: np.ndarray, t: float, end: float, thrusts: tuple[np.ndarray, np.ndarray],
+    gust: Callable[[float], np.ndarray] | None,
+) -> np.ndarray:  # fmt: skip
+    """State at the end of a step, thrusts from the first to the second."""
+    first, second = thrusts
 
     def flow(s: float, y: np.ndarray) -> np.ndarray:
+        u = first + (s - t) / (end - t) * (second - first)
         return motion(y, u if gust is None else u + gust(s))
 
-    shortest = (end - t) / 5 if gust else np.inf
+    shortest = (end - t) / 8 if gust else np.inf
     return solve_ivp(flow, (t, end), state, "DOP853", rtol=1e-10, atol=1e-12, max_step=shortest).y[:, -1]
 
 

@@ -19,6 +19,7 @@ from benchbench.dynamics import Dynamics
 from benchbench.guess import Guess
 from benchbench.model import Model
 from benchbench.motion import Motion
+from benchbench.peer import Peer
 from benchbench.registry import FAMILIES, installed
 from benchbench.relaxation import Relaxation
 from benchbench.solver import Solver
@@ -27,7 +28,7 @@ from benchbench_plugins.solvers.nlpsol import Nlpsol
 
 BASES = {
     "models": Model, "dynamics": Dynamics, "contacts": Contact, "motions": Motion, "relaxations": Relaxation,
-    "solvers": Solver, "strategies": Strategy, "guesses": Guess,
+    "solvers": Solver, "strategies": Strategy, "guesses": Guess, "peers": Peer,
 }  # fmt: skip
 
 

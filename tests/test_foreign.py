@@ -83,20 +83,20 @@ def pulse(t: float) -> np.ndarray:
 
 
 SPOILED: dict[str, tuple[Callable[[], Flown], set[str]]] = {
-    "thrust over its limit in a row": (lambda: good().changed(slice(14, 18), 150, 6.0), {"planned_input"}),
+    "thrust over its limit in a row": (lambda: good().changed(slice(14, 18), 75, 6.0), {"planned_input"}),
     "thrust over its limit between rows": (lambda: fly(gust=pulse), {"defect_position", "segment"}),
     "velocity that is not that of the positions": (
         lambda: good().changed(8, slice(1, None), 0.15),
         {"defect_position"},
     ),
     "thrusts that the rest does not follow": (
-        lambda: good().changed(14, slice(100, 110), 0.3),
+        lambda: good().changed(14, slice(50, 55), 0.3),
         {"segment"},
     ),
-    "teleport": (lambda: good().changed(1, slice(200, None), 0.5), {"defect_position", "segment"}),
+    "teleport": (lambda: good().changed(1, slice(100, None), 0.5), {"defect_position", "segment"}),
     "starts elsewhere": (lambda: good().changed(2, slice(None), 0.2), {"planned_start"}),
-    "body rate over its limit": (lambda: good().changed(13, 77, 0.5), {"planned_velocity"}),
-    "stops before the end": (lambda: Flown(good().rows[:-60]), {"gate", "replay_end"}),
+    "body rate over its limit": (lambda: good().changed(13, 38, 0.5), {"planned_velocity"}),
+    "stops before the end": (lambda: Flown(good().rows[:-30]), {"gate", "replay_end"}),
     "time runs faster": (
         lambda: good().changed(0, slice(None), -0.1 * good().rows[:, 0]),
         {"defect_position"},
@@ -111,7 +111,7 @@ def test_each_spoiled_flight_is_rejected_for_its_reason(name: str, tmp_path: Pat
 
 
 def test_a_gate_missed_by_five_centimetres_and_gates_in_the_other_order(tmp_path: Path) -> None:
-    at = good().rows[140]
+    at = good().rows[70]
     across = np.cross(at[8:11], [0, 0, 1.0])
     for far, holds in ((0.305, True), (0.35, False)):
         gate = at[1:4] + far * across / np.linalg.norm(across)
@@ -144,7 +144,7 @@ def test_the_command_certifies_records_and_draws(tmp_path: Path) -> None:
 
 
 def test_the_command_rejects_and_refuses(tmp_path: Path) -> None:
-    done = certify(tmp_path, good().changed(1, slice(200, None), 0.5).csv())
+    done = certify(tmp_path, good().changed(1, slice(100, None), 0.5).csv())
     assert done.returncode == 1 and "NOT certified" in done.stdout and "position defect" in done.stdout
     assert_refused(
         certify(tmp_path, good().csv().replace("p_z", "height")), "my plan.csv", "has no column p_z"

@@ -1,0 +1,1 @@
+"""Built-in peers: external planners that are run where the user has them."""
