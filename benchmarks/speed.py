@@ -1,6 +1,7 @@
-"""Speed of the main job, one thread, medians: `python benchmarks/speed.py [repeats]`.
+"""Speed of the main jobs, one thread, medians: `python benchmarks/speed.py [repeats]`.
 
-Prints a Markdown table. Each repeat is a fresh process; CPU seconds count children (the compiler) too.
+Prints a Markdown table. Each repeat is a fresh process; CPU seconds count children (the compiler) too. How cost grows
+with N, and against other ways to write the problem, is in `benchmarks/growth.py`.
 """
 
 from __future__ import annotations
@@ -15,6 +16,8 @@ import tempfile
 import time
 from pathlib import Path
 
+from benchbench import config
+
 WINDOW = """
 import json, sys, time
 from benchbench import config
@@ -24,62 +27,112 @@ from benchbench.guess import straight_line
 from benchbench.strategy import pose
 scenario, node, mode = sys.argv[1:]
 case = config.compose(f"+scenario={scenario}", f"compile={mode}")
-ledger = Ledger(60.0)
+ledger, began = Ledger(60.0), time.perf_counter()
 with ledger.building():
     problem = fixed_window(case, straight_line(case), (int(node), int(node) + 1))
 found = pose(problem, case, ledger, "window")
 print(json.dumps({"build": ledger.build_cpu, "solve": ledger.solve_cpu, "iterations": ledger.iterations,
+                  "wall": time.perf_counter() - began, "travel_time": found.plan.travel_time}))
+"""
+STRATEGY = """
+import json, sys
+from benchbench import config
+from benchbench.case import Ledger
+scenario, strategy, mode = sys.argv[1:]
+case = config.compose(f"+scenario={scenario}", f"compile={mode}", f"strategy={strategy}")
+ledger = Ledger(300.0)
+found = case.strategy.solve(case, ledger)
+print(json.dumps({"build": ledger.build_cpu, "solve": ledger.solve_cpu, "iterations": ledger.iterations,
                   "travel_time": found.plan.travel_time}))
 """
+REPLAN = """
+import json, sys
+from dataclasses import replace
+import numpy as np
+from benchbench import config
+from benchbench.replan import Replanner
+scenario, intervals = sys.argv[1:]
+case = config.compose(f"+scenario={scenario}", f"scenario.intervals={intervals}", "scenario.contact_seconds=0.05")
+replanner, target, seconds, iterations = Replanner(case), case.scenario.target, [], []
+field = {"static": "position_m", "linear": "start_m", "circle": "centre_m"}[scenario]
+draw = np.random.default_rng(0)
+for _ in range(15):
+    plan = replanner.last.plan
+    q, v = (np.array([np.interp(0.05, plan.time, c) for c in a.T]) for a in (plan.configuration, plan.velocity))
+    shifted = np.array(getattr(target, field)) + 0.05 * np.array(getattr(target, "velocity_mps", (0, 0, 0)))
+    changes = {field: tuple(shifted + draw.normal(0, 0.003, 3))}
+    if scenario == "circle":
+        changes["phase_rad"] = target.phase_rad + 0.05 * target.rate_radps
+    target = replace(target, **changes)
+    answer = replanner.plan(target, q, v, 0.05)
+    seconds.append(answer.seconds)
+    iterations.append(answer.result.solved.outcome.iterations)
+print(json.dumps({"seconds": seconds, "iterations": iterations}))
+"""
 NODES = {"static": 42, "linear": 43, "circle": 48}
+MODES = {"auto": "compiled", "never": "interpreted"}
 
 
 def main() -> None:
     """Measure and print."""
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 5
-    environment = dict(os.environ, OMP_NUM_THREADS="1")
     print("| what | scenario | CPU s, median (min to max) | note |\n|---|---|---|---|")
     with tempfile.TemporaryDirectory() as scratch:
         for name, node in NODES.items():
-            for mode in ("auto", "never"):
-                runs = [_window(name, node, mode, environment, scratch) for _ in range(repeats + 1)]
-                cold, warm = runs[0], runs[1:]
-                how = "compiled" if mode == "auto" else "interpreted"
-                _row(
-                    f"build N=100, from the cache, {how}",
-                    name,
-                    [r["build"] for r in warm],
-                    f"cold {cold['build']:.2f} s",
-                )
-                note = f"{warm[0]['iterations']} iterations, {warm[0]['travel_time']:.4f} s"
-                _row(f"one window solve N=100, {how}", name, [r["solve"] for r in warm], note)
+            for mode in MODES:
+                _windows(name, node, mode, repeats, scratch)
+        strategies = [s for s in ("phases", "enumeration", "relax") if s in config.choices("strategy")]
+        for strategy in strategies:
+            for name in NODES:
+                for mode in MODES if strategy == "phases" else ("auto",):
+                    _strategies(name, strategy, mode, repeats, scratch)
         for name in NODES:
-            runs = [_whole(name, environment, scratch) for _ in range(repeats)]
+            _replans(name, scratch)
+        for name in NODES:
+            runs = [_whole(name, scratch) for _ in range(repeats)]
             note = f"{max(r['memory'] for r in runs):.0f} MB, exit code {runs[0]['code']}"
             _row("whole default run, imports included", name, [r["cpu"] for r in runs], note)
 
 
-def _window(name: str, node: int, mode: str, environment: dict[str, str], scratch: str) -> dict[str, float]:
-    environment = environment | {"BENCHBENCH_CACHE": str(Path(scratch, f"cache-{mode}"))}
-    command = [sys.executable, "-c", WINDOW, name, str(node), mode]
-    return json.loads(
-        subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
-    )
+def _windows(name: str, node: int, mode: str, repeats: int, scratch: str) -> None:
+    with tempfile.TemporaryDirectory(dir=scratch) as empty:
+        cold = _run(WINDOW, empty, name, str(node), mode)
+    runs = [_run(WINDOW, scratch, name, str(node), mode) for _ in range(repeats + 1)][1:]
+    note = f"cold {cold['build']:.2f} s CPU, {cold['wall'] - cold['solve']:.2f} s wall"
+    _row(f"build N=100, from the cache, {MODES[mode]}", name, [r["build"] for r in runs], note)
+    note = f"{runs[0]['iterations']} iterations, {runs[0]['travel_time']:.4f} s"
+    _row(f"one window solve N=100, {MODES[mode]}", name, [r["solve"] for r in runs], note)
 
 
-def _whole(name: str, environment: dict[str, str], scratch: str) -> dict[str, float]:
-    environment = environment | {"BENCHBENCH_CACHE": str(Path(scratch, "cache-auto"))}
+def _strategies(name: str, strategy: str, mode: str, repeats: int, scratch: str) -> None:
+    runs = [_run(STRATEGY, scratch, name, strategy, mode) for _ in range(repeats + 1)][1:]
+    note = f"{runs[0]['iterations']} iterations, {runs[0]['travel_time']:.4f} s"
+    what = f"strategy={strategy} N=100, build and solve, {MODES[mode]}"
+    _row(what, name, [r["build"] + r["solve"] for r in runs], note)
+
+
+def _replans(name: str, scratch: str) -> None:
+    found = _run(REPLAN, scratch, name, "50")
+    middle = statistics.median(found["iterations"])
+    _row("one replan N=50, wall", name, found["seconds"], f"{middle:.0f} iterations")
+
+
+def _environment(scratch: str) -> dict[str, str]:
+    return {**os.environ, "OMP_NUM_THREADS": "1", "BENCHBENCH_CACHE": str(Path(scratch, "cache"))}
+
+
+def _run(code: str, scratch: str, *arguments: str) -> dict:
+    command = [sys.executable, "-c", code, *arguments]
+    done = subprocess.run(command, env=_environment(scratch), check=True, capture_output=True, text=True)
+    return json.loads(done.stdout)
+
+
+def _whole(name: str, scratch: str) -> dict[str, float]:
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [
-        sys.executable,
-        "-m",
-        "benchbench",
-        f"+scenario={name}",
-        "solver=ipopt",
-        f"output={scratch}/results",
-    ]
+    options = [f"+scenario={name}", "solver=ipopt", f"output={scratch}/results"]
+    command = [sys.executable, "-m", "benchbench", *options]
     began = time.perf_counter()
-    done = subprocess.run(command, env=environment, capture_output=True, check=False)
+    done = subprocess.run(command, env=_environment(scratch), capture_output=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     record = max(Path(scratch, "results").glob("**/record.json"), key=lambda p: p.stat().st_mtime)
@@ -88,10 +141,8 @@ def _whole(name: str, environment: dict[str, str], scratch: str) -> dict[str, fl
 
 
 def _row(what: str, scenario: str, values: list[float], note: str) -> None:
-    print(
-        f"| {what} | {scenario} | {statistics.median(values):.2f} ({min(values):.2f} to {max(values):.2f}) | {note} |",
-        flush=True,
-    )
+    middle, low, high = statistics.median(values), min(values), max(values)
+    print(f"| {what} | {scenario} | {middle:.2f} ({low:.2f} to {high:.2f}) | {note} |", flush=True)
 
 
 if __name__ == "__main__":
