@@ -133,7 +133,7 @@ def test_bad_yaml_is_refused_with_its_place(tmp_path: Path, text: str, said: str
     [
         ("scenario.track=nowhere.csv", "cannot read 'nowhere.csv'"),
         ("scenario.track=track.txt", "is no track"),
-        ("scenario.gates=6", "the end is where the one before is"),
+        ("scenario.gates=6", "the end is where gate 6 is"),
         ("scenario.gates=0", "scenario.gates: 0 was given"),
         ("scenario.end_velocity=fast", "free, rest"),
         ("+scenario.kappa_init=3", "scenario.kappa_init: means nothing in a race"),

@@ -99,9 +99,8 @@ class Race(Scenario):
             if np.array_equal(here, there):
                 name = "the end" if number == len(self.goals) else f"gate {number}"
                 place = ", ".join(f"{x:g}" for x in there)
-                raise BadInput(
-                    "scenario.gates", f"{name} is where the one before is, at {place}", "gates apart"
-                )
+                before = f"gate {number - 1}" if number > 1 else "the start"
+                raise BadInput("scenario.gates", f"{name} is where {before} is, at {place}", "gates apart")
             here = there
         return self
 
