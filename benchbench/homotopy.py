@@ -19,21 +19,28 @@ GOOD = ("solved", "iteration_limit")
 
 @dataclass(frozen=True)
 class Solved:
-    """The last outcome of a homotopy, its unknowns by name, and x of the original problem (n,)."""
+    """The last outcome of a homotopy, its unknowns by name, and x of the original problem (n,).
+
+    `relaxed` is what the solver solved, None where that was no single program.
+    """
 
     outcome: Outcome
     values: dict[str, Array]
     x: Array
     sigma: float
+    relaxed: Mpcc | None = None
 
 
-def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str) -> Solved:
+def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str, near: Solved | None = None) -> Solved:
     """Solve an MPCC; without pairs it is one smooth solve.
 
     Each sigma starts from the last good point with fresh multipliers. A sigma that fails does not stop the
     schedule: the next one starts where the failed one did, because nothing leads back from where IPOPT found
     no feasible point or diverged. The last word is the certificate's. Spent time stops it. Held unknowns of a
     relaxation move on after each solve that claims success; only then it is built again.
+
+    near: a solved problem in whose solution this one is guessed. It gives the multipliers of what both have (see
+    `carried`), and there is nowhere to be led: only the last sigma is solved.
     """
     with ledger.building():
         smoothed = smooth(mpcc, case.relaxation) if mpcc.pairs else Smooth(mpcc)
@@ -41,9 +48,11 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str) -> Solved:
         offsets = relaxed.offsets
         where = (offsets["T"], relaxed.split(relaxed.guess)["T"].size) if "T" in offsets else None
         watch = ledger.watch.stage(stage, where) if ledger.watch else None
-        solve = _prepare(relaxed, case, ledger, watch)
-    point, outcome, sigma = Point(relaxed.guess), None, 0.0
-    for sigma in case.relaxation.schedule if mpcc.pairs else (0.0,):
+        solve = _prepare(relaxed, case, ledger, watch, near is not None)
+        point = Point(relaxed.guess) if near is None else carried(relaxed, near)
+    outcome, sigma = None, 0.0
+    schedule = case.relaxation.schedule if mpcc.pairs else (0.0,)
+    for sigma in schedule if near is None else schedule[-1:]:
         if smoothed.mpcc is not relaxed:
             with ledger.building():
                 relaxed = smoothed.mpcc
@@ -64,7 +73,25 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str) -> Solved:
         raise ValueError("relaxation.schedule is empty")
     values = relaxed.split(outcome.point.x)
     x = np.concatenate([np.zeros(0), *(values[v.name].ravel() for v in mpcc.variables)])
-    return Solved(outcome, values, x, sigma)
+    return Solved(outcome, values, x, sigma, relaxed)
+
+
+def carried(mpcc: Mpcc, near: Solved) -> Point:
+    """Return the guess with the multipliers of another solution where variables and blocks agree in name and shape, else 0."""
+    last = near.outcome.point
+    if near.relaxed is None or last.lam_x is None or last.lam_g is None:
+        return Point(mpcc.guess)
+    old = {name: values.ravel() for name, values in near.relaxed.split(last.lam_x).items()}
+    sizes = [block.lower.size for block in near.relaxed.constraints]
+    cuts = np.split(last.lam_g, np.cumsum(sizes)[:-1])
+    rows = {block.name: cut for block, cut in zip(near.relaxed.constraints, cuts, strict=True)}
+    lam_x = [_same(old.get(v.name), v.size) for v in mpcc.variables]
+    lam_g = [_same(rows.get(block.name), block.lower.size) for block in mpcc.constraints]
+    return Point(mpcc.guess, np.concatenate([np.zeros(0), *lam_g]), np.concatenate([np.zeros(0), *lam_x]))
+
+
+def _same(values: Array | None, size: int) -> Array:
+    return values if values is not None and values.size == size else np.zeros(size)
 
 
 def _travel_time(outcome: Outcome, where: tuple[int, int] | None) -> float | None:
@@ -73,12 +100,14 @@ def _travel_time(outcome: Outcome, where: tuple[int, int] | None) -> float | Non
     return float(outcome.point.x[where[0] : where[0] + where[1]].sum())
 
 
-def _prepare(relaxed: Mpcc, case: Case, ledger: Ledger, watch: Progress | None) -> Prepared:
+def _prepare(
+    relaxed: Mpcc, case: Case, ledger: Ledger, watch: Progress | None, warm: bool = False
+) -> Prepared:
     if relaxed.pairs and not case.solver.native_pairs:
         solver, relaxation = case.names["solver"], case.names["relaxation"]
         problem = f"'{relaxation}' leaves the pairs to the solver, but '{solver}' takes none"
         raise IncompatibleCase(
             "relaxation", problem, "another relaxation, or a solver for pairs, such as pyomo"
         )
-    setup = Setup(ledger.seconds_left, case.iteration_limit, case.accuracy, case.compile, watch)
+    setup = Setup(ledger.seconds_left, case.iteration_limit, case.accuracy, case.compile, watch, warm)
     return case.solver.prepare(relaxed, setup)

@@ -52,6 +52,7 @@ class Setup:
 
     seconds, iterations  limits of each solve
     accuracy             "low", "medium", "high" ask for KKT residuals of about 1e-4, 1e-6, 1e-8
+    warm                 the starts are near a solution and bring multipliers
     """
 
     seconds: float = 300.0
@@ -59,6 +60,7 @@ class Setup:
     accuracy: Accuracy = "high"
     compile: Compile = "auto"
     progress: Progress | None = None
+    warm: bool = False
 
 
 Prepared = Callable[[float, Point], Outcome]

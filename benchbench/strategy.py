@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from benchbench import posing
 from benchbench.case import Case, Ledger
 from benchbench.formulation import Problem
 from benchbench.homotopy import Solved, homotopy
 from benchbench.plan import Plan
+from benchbench.posing import Made
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,22 @@ class Strategy(ABC):
         """Return the best plan found; never judges it."""
 
 
-def pose(problem: Problem, case: Case, ledger: Ledger, stage: str) -> Result:
-    """Solve one problem and decode it."""
-    solved = homotopy(problem.mpcc, case, ledger, stage)
+def pose(problem: Problem, case: Case, ledger: Ledger, stage: str, near: Result | None = None) -> Result:
+    """Solve one problem and decode it; `near`: what was found for a problem that nearly has this one's solution."""
+    solved = homotopy(problem.mpcc, case, ledger, stage, near.solved if near else None)
     return Result(problem, solved, problem.decode(solved.values))
+
+
+def from_phases(case: Case, ledger: Ledger, made: Made = None) -> Result:
+    """Solve phases, then one step size with contacts, or gates, held at the nearest nodes; both are smooth.
+
+    The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
+    window on its way back.
+    """
+    start = posing.start(case, ledger, made)
+    with ledger.building():
+        problem = posing.phases(case, start)
+    found = pose(problem, case, ledger, "guess: phases").plan
+    with ledger.building():
+        problem = posing.held(case, found)
+    return pose(problem, case, ledger, "guess: window")

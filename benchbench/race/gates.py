@@ -123,22 +123,22 @@ def _pair(
 
 
 def _progress(intervals: int, gates: int) -> Block:
-    """Bound mu by 0 and 1."""
+    """Ask for mu >= 0."""
     k = np.arange(intervals * gates)
     return _difference("progress", k, k + gates)
 
 
 def _order(intervals: int, gates: int) -> Block:
-    """Bound kappa^{i+1} - kappa^i by 0 and 1 between the ends."""
+    """Ask for kappa^{i+1} >= kappa^i between the ends."""
     k = np.arange((intervals + 1) * gates).reshape(-1, gates)[1:-1, :-1].ravel()
     return _difference("gate_order", k + 1, k)
 
 
 def _difference(name: str, left: Index, right: Index) -> Block:
-    """Bound kappa[left] - kappa[right], flat positions, by 0 and 1."""
+    """Ask for kappa[left] >= kappa[right], flat positions; kappa in [0, 1] bounds their difference from above."""
     z, none = ca.SX.sym("z", 2), np.zeros((len(left), 1))
     function = ca.Function("difference", [z, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [z[0] - z[1]])
-    return Block(name, function, (_two(left, right),), none[:, :0], none, none + 1, "1")
+    return Block(name, function, (_two(left, right),), none[:, :0], none, none + np.inf, "1")
 
 
 def _two(left: Index, right: Index) -> Slot:

@@ -10,7 +10,7 @@ from benchbench import posing
 from benchbench.case import Case, Ledger
 from benchbench.guess import Guess
 from benchbench.plan import Plan
-from benchbench.strategy import pose
+from benchbench.strategy import from_phases
 
 
 @final
@@ -18,19 +18,11 @@ from benchbench.strategy import pose
 class Phases(Guess):
     """Solve phases, then one step size with the contact, or the gates, held at the nearest nodes; both smooth.
 
-    The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
-    window on its way back. `sequence`: the stops that are made, in order; none: as they are listed.
+    `sequence`: the stops that are made, in order; none: as they are listed.
     """
 
     sequence: tuple[str, ...] = ()
 
     def plan(self, case: Case, ledger: Ledger) -> Plan:
         """Two solves."""
-        made = posing.chosen(case, self.sequence, "guess.sequence")
-        start = posing.start(case, ledger, made)
-        with ledger.building():
-            problem = posing.phases(case, start)
-        found = pose(problem, case, ledger, "guess: phases").plan
-        with ledger.building():
-            problem = posing.held(case, found)
-        return pose(problem, case, ledger, "guess: window").plan
+        return from_phases(case, ledger, posing.chosen(case, self.sequence, "guess.sequence")).plan

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import field
+from dataclasses import field, replace
 from typing import Any, final
 
 from pydantic.dataclasses import dataclass
@@ -62,7 +62,7 @@ class Ipopt(Solver):
 
     def prepare_parametric(self, mpcc: Mpcc, setup: Setup, adjustable: Collection[str]) -> Parametric:
         """One CasADi solver whose parameters are those of the adjustable blocks, started warm."""
-        native = self._checked(self.native_options(setup) | WARM | self.options)
+        native = self._checked(self.native_options(replace(setup, warm=True)))
         return casadi_nlp.prepare_parametric(BACKEND, mpcc, setup, {"ipopt": native}, adjustable)
 
     def _checked(self, native: dict[str, Any]) -> dict[str, Any]:
@@ -83,7 +83,7 @@ class Ipopt(Solver):
             "print_level": 0,
             "sb": "yes",
         }
-        return own | self.options
+        return own | (WARM if setup.warm else {}) | self.options
 
     def version(self) -> str:
         """CasADi's version names the bundled IPOPT."""

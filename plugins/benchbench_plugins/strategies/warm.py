@@ -1,0 +1,31 @@
+"""The paper's MPCC, entered at its far end: from the multipliers of a smooth solve with the contact held."""
+
+from __future__ import annotations
+
+from typing import final
+
+from pydantic.dataclasses import dataclass
+
+from benchbench import posing
+from benchbench.case import Case, Ledger
+from benchbench.strategy import Result, Strategy, from_phases, pose
+
+
+@final
+@dataclass(frozen=True)
+class Warm(Strategy):
+    """Phases, one step size with contact or gates held, then progress variables and complementarity for the last sigma.
+
+    What the smooth solve ends with, multipliers included, is nearly a solution of the MPCC: a solver that starts warm
+    (solver=ipopt) needs few iterations to tell whether contact or gates should move. `sequence`: as of guess=phases; the
+    guess of the case plays no part.
+    """
+
+    sequence: tuple[str, ...] = ()
+
+    def solve(self, case: Case, ledger: Ledger) -> Result:
+        """Three solves."""
+        held = from_phases(case, ledger, posing.chosen(case, self.sequence, "strategy.sequence"))
+        with ledger.building():
+            problem = posing.free(case, held.plan)
+        return pose(problem, case, ledger, "relaxation", held)
