@@ -1,0 +1,114 @@
+"""Runs of races for the benchmarks: each in a child process, kept in a CSV file that is resumed."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+METHODS: dict[str, tuple[str, ...]] = {
+    "phases": ("strategy=phases",),
+    "RK4-CPC": ("strategy=relax", "guess=line"),
+    "RK4-CPC warm": ("strategy=warm",),
+    "lie_verlet-DMCC": ("dynamics=lie_verlet", "strategy=relax", "guess=line"),
+    "Verlet-DMCC": ("dynamics=verlet", "vehicle=race_quadrotor_euler", "strategy=relax", "guess=line"),
+}
+"""Cold means the public planner's start: straight lines, progress that switches where they pass the gates."""
+SCHEDULE = "relaxation.schedule=[1e-2,1e-4,1e-9]"
+"""A gate's ball is 15 times wider than a handover's, so that sigma = 1e-7 may leave pairs above 1e-6."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: a method on the first gates of the public track and its end; CPU s are all-in, build and guess included."""
+
+    method: str
+    gates: int
+    nodes: int
+    repeat: int
+    status: str
+    certified: bool = False
+    travel_time_s: float = float("nan")
+    cpu_s: float = float("nan")
+    iterations: int = 0
+    drift_m: float = float("nan")
+    miss_m: float = float("nan")
+    reason: str = ""
+
+    @property
+    def key(self) -> tuple[str, int, int, int]:
+        """What makes it another run."""
+        return self.method, self.gates, self.nodes, self.repeat
+
+
+def one(*overrides: str) -> dict[str, object]:
+    """Run here and return what is kept."""
+    from benchbench.config import compose
+    from benchbench.pipeline import run
+
+    record = run(compose("+scenario=race", *overrides)).record
+    return {
+        "status": record["status"],
+        "certified": record["certified"],
+        "travel_time_s": record["travel_time_s"],
+        "cpu_s": record["build_cpu_s"] + record["solve_cpu_s"],
+        "iterations": record["iterations"],
+        "drift_m": record["replay_drift_position_m"],
+        "miss_m": record["gate_worst_miss_m"],
+        "reason": (record["reasons"] or [""])[0],
+    }
+
+
+def child(
+    method: str, gates: int, nodes: int, repeat: int, time_limit: float, prefix: Sequence[str] = ()
+) -> Run:
+    """Run one case in its own process, one thread; a crash or a hang is a result too."""
+    overrides = [*METHODS[method], SCHEDULE, f"scenario.gates={gates}", f"scenario.nodes_per_gate={nodes}"]
+    command = [*prefix, sys.executable, __file__, *overrides, f"time_limit={time_limit}"]
+    environment = dict(os.environ, OMP_NUM_THREADS="1")
+    done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+    if done.returncode:
+        said = (done.stderr.strip().splitlines() or [""])[-1][:200]
+        return Run(method, gates, nodes, repeat, f"exit {done.returncode}", reason=said)
+    found = {k: v for k, v in json.loads(done.stdout.splitlines()[-1]).items() if v is not None}
+    return Run(method, gates, nodes, repeat, **found)
+
+
+def read(path: Path) -> list[Run]:
+    """Return the runs of a file, none if there is none."""
+    if not path.is_file():
+        return []
+    kinds: dict[str, Any] = {"str": str, "int": int, "float": float, "bool": lambda text: text == "True"}
+    with path.open(newline="") as file:
+        return [
+            Run(**{f.name: kinds[str(f.type)](row[f.name]) for f in fields(Run)})
+            for row in csv.DictReader(file)
+        ]
+
+
+def append(path: Path, run: Run) -> None:
+    """Add a run to a file."""
+    fresh = not path.is_file()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a", newline="") as file:
+        writer = csv.DictWriter(file, [f.name for f in fields(Run)])
+        if fresh:
+            writer.writeheader()
+        writer.writerow(asdict(run))
+
+
+def middle(runs: Sequence[Run]) -> Run:
+    """Return the first of several repeats with the median of their CPU times."""
+    first = min(runs, key=lambda run: run.repeat)
+    return Run(**{**asdict(first), "cpu_s": median(run.cpu_s for run in runs)})
+
+
+if __name__ == "__main__":
+    print(json.dumps(one(*sys.argv[1:])))
