@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
+import secrets
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import optuna
 import pandas as pd
@@ -21,6 +21,7 @@ from benchbench.progress import LiveLine
 from benchbench.tuning import outcome
 from benchbench.tuning.space import read
 from benchbench.tuning.steps import Report
+from benchbench.tuning.storage import opened
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "tuning" / "schedule.yaml"
 SMALL = ("+scenario=static,linear", "strategy=phases", "dynamics=collocation", "scenario.intervals=24,25")
@@ -55,12 +56,24 @@ def test_a_study_ends_with_a_configuration_that_runs_and_goes_on(tmp_path: Path)
     assert len(study(tmp_path).trials) == 3
 
 
-@pytest.mark.parametrize("storage", ["sqlite:///{}/shared.db", "journal:{}/shared.log"])
+DATABASE = os.environ.get("BENCHBENCH_TEST_DATABASE", "")
+needs_database = pytest.mark.skipif(not DATABASE, reason="BENCHBENCH_TEST_DATABASE names no database")
+
+
+@pytest.mark.parametrize(
+    "storage",
+    [
+        "sqlite:///{}/shared.db",
+        "journal:{}/shared.log",
+        pytest.param(DATABASE, marks=needs_database, id="server"),
+    ],
+)
 def test_processes_share_a_study(tmp_path: Path, storage: str) -> None:
-    where = f"hydra.sweeper.storage='{storage.format(tmp_path)}'"
+    url, name = storage.format(tmp_path), f"shared-{secrets.token_hex(4)}"
+    where = [f"hydra.sweeper.storage='{url}'", f"hydra.sweeper.study_name={name}"]
     command = [
         sys.executable, "-m", "benchbench", *OPTUNA, "+scenario=static", "strategy=phases", "workers=1",
-        "scenario.intervals=12,13,14", "hydra.sweeper.n_trials=2", where, "hydra.sweeper.seed=null",
+        "scenario.intervals=12,13,14", "hydra.sweeper.n_trials=2", *where, "hydra.sweeper.seed=null",
     ]  # fmt: skip
     both = [
         subprocess.Popen(
@@ -69,11 +82,12 @@ def test_processes_share_a_study(tmp_path: Path, storage: str) -> None:
         for _ in range(2)
     ]
     assert [process.wait(200) for process in both] == [1, 1]  # so coarse a grid is never certified
-    kept: Any = f"sqlite:///{tmp_path}/shared.db"
-    if storage.startswith("journal"):
-        backend = optuna.storages.journal.JournalFileBackend(f"{tmp_path}/shared.log")
-        kept = optuna.storages.JournalStorage(backend)
-    trials = optuna.load_study(study_name="tune", storage=kept).trials
+    kept = opened(url)
+    kept = optuna.storages.RDBStorage(kept) if isinstance(kept, str) else kept
+    trials = optuna.load_study(study_name=name, storage=kept).trials
+    if isinstance(kept, optuna.storages.RDBStorage):
+        kept.remove_session()
+        kept.engine.dispose()
     assert sorted(t.number for t in trials) == [0, 1, 2, 3]
     assert all(t.user_attrs["uncertified"] == 1 for t in trials)
 
