@@ -284,7 +284,7 @@ def test_the_page_loads_without_an_error_and_without_the_network(page: WebDriver
     figures, drawn = page.execute_script(
         "return [document.querySelectorAll('.figure').length, document.querySelectorAll('.figure > .plot-container').length]"
     )
-    assert figures == drawn == 8
+    assert figures == drawn == 9
     assert errors(page) == []
     loaded = page.execute_script("return performance.getEntriesByType('resource').map((entry) => entry.name)")
     assert [name for name in loaded if not name.startswith(("data:", "blob:"))] == []

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor, log10
+from textwrap import wrap
 
 import plotly.graph_objects as go
 
@@ -15,9 +16,11 @@ SYMBOLS = ("circle", "square", "diamond", "triangle-up")
 FONT = "system-ui, -apple-system, 'Segoe UI', Roboto, 'DejaVu Sans', sans-serif"
 GRID = "#E6E6E6"
 CLEAR = "rgba(0,0,0,0)"
-HEIGHT_PX, ROW_PX, LEGEND_ROW_PX = 330, 34, 22
-KEY_LETTERS, LEGEND_LETTERS = 7, 56
+HEIGHT_PX, ROW_PX, LINE_PX, LEGEND_ROW_PX = 330, 34, 17, 22
+KEY_LETTERS, LEGEND_LETTERS = 7, 52
 """Width of a legend's key and of a legend on a narrow page, in letters."""
+NAME_LETTERS = 22
+"""Longest line of a method's name beside a bar, so that a narrow page has room for the bar."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +56,8 @@ def styles(methods: Iterable[str]) -> dict[str, Style]:
 
 def figure(x: str = "", y: str = "", height: int = HEIGHT_PX, names: Iterable[str] = ()) -> go.Figure:
     """Return an empty figure in the report's look with axis titles, and room for a legend of these names."""
-    rows = ceil(sum(len(name) + KEY_LETTERS for name in names) / LEGEND_LETTERS)
+    widths = [len(name) + KEY_LETTERS for name in names]  # all entries get the width of the longest
+    rows = ceil(len(widths) / max(LEGEND_LETTERS // max(widths, default=1), 1))
     bottom = 52 + LEGEND_ROW_PX * rows
     made = go.Figure()
     axis = {
@@ -65,7 +69,7 @@ def figure(x: str = "", y: str = "", height: int = HEIGHT_PX, names: Iterable[st
         margin={"l": 56, "r": 16, "t": 26, "b": bottom}, xaxis={**axis, "title": {"text": x, "standoff": 8}},
         yaxis={**axis, "title": {"text": y, "standoff": 8}}, paper_bgcolor=CLEAR, plot_bgcolor=CLEAR,
         legend={
-            "orientation": "h", "yref": "container", "y": 0.0, "yanchor": "bottom", "x": 0.0, "xanchor": "left",
+            "orientation": "h", "yref": "container", "y": 0.0, "yanchor": "bottom", "xref": "container", "x": 0.0, "xanchor": "left",
             "traceorder": "normal",
         },
         modebar={"bgcolor": CLEAR, "color": FAINT, "activecolor": INK}, hovermode="closest",
@@ -74,9 +78,20 @@ def figure(x: str = "", y: str = "", height: int = HEIGHT_PX, names: Iterable[st
     return made
 
 
-def bars(x: str, methods: int, names: Iterable[str]) -> go.Figure:
-    """Return an empty figure for one horizontal bar per method, stacked from the named parts."""
-    made = figure(x, height=ROW_PX * methods + 90, names=names)
+def wrapped(name: str) -> str:
+    """A method's name in lines that leave room for its bar."""
+    return "<br>".join(wrap(name, NAME_LETTERS, break_long_words=False))
+
+
+def rows_height(methods: Sequence[str]) -> int:
+    """Height in px of a figure with a row for each method, whose names are wrapped."""
+    lines = max((wrapped(name).count("<br>") + 1 for name in methods), default=1)
+    return max(ROW_PX, LINE_PX * lines + 8) * len(methods) + 90
+
+
+def bars(x: str, methods: Sequence[str], names: Iterable[str]) -> go.Figure:
+    """Return an empty figure for one horizontal bar per method, at its `wrapped` name, of the named parts."""
+    made = figure(x, height=rows_height(methods), names=names)
     made.update_layout(barmode="stack", bargap=0.35)
     made.update_xaxes(rangemode="tozero")
     made.update_yaxes(autorange="reversed", ticks="", showgrid=False, ticklabelstandoff=6)

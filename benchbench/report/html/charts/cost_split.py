@@ -5,8 +5,14 @@ from __future__ import annotations
 import pandas as pd
 
 from benchbench.analysis.costs import by_step, by_work
-from benchbench.report.html.charts.chart import Chart, bars
+from benchbench.report.html.charts.chart import Chart, bars, wrapped
 from benchbench.report.style import CURVES
+
+BLUE, RED, GREEN, PINK, YELLOW, BLACK = CURVES
+COLORS = {
+    "assembly": BLUE, "derivatives": GREEN, "build": "#8FB9D3", "function evaluations": PINK, "linear algebra, rest": YELLOW,
+    "solver": "#E8B8A0", "certificate": BLACK, "guess": BLUE, "homotopy": YELLOW, "last solve": RED,
+}  # fmt: skip
 
 
 def work(runs: pd.DataFrame) -> Chart:
@@ -33,10 +39,11 @@ def _chart(title: str, text: str, runs: pd.DataFrame, parts: pd.DataFrame) -> Ch
     means = means.loc[:, means.gt(0).any()]
     if means.empty:
         return Chart(title, text, missing="No run has recorded its CPU time.")
-    made = bars("CPU time [s]", len(means), map(str, means.columns))
-    for i, name in enumerate(means.columns):
+    methods = [str(method) for method in means.index]
+    made = bars("CPU time [s]", methods, map(str, means.columns))
+    for name in means.columns:
         made.add_bar(
-            y=means.index.astype(str), x=means[name], name=name, orientation="h", marker={"color": CURVES[i % 6]},
+            y=[wrapped(method) for method in methods], x=means[name], name=name, orientation="h", marker={"color": COLORS[name]},
             hovertemplate="%{x:.3g} s<extra>" + name + "</extra>",
         )  # fmt: skip
     return Chart(title, text, made)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from benchbench.report.html.charts.chart import Chart, bars
+from benchbench.report.html.charts.chart import Chart, bars, wrapped
 from benchbench.report.style import GOOD
 from benchbench.storage.status import Status
 
@@ -26,11 +26,12 @@ def chart(runs: pd.DataFrame) -> Chart:
         runs.assign(status=runs.status.fillna("unknown")).groupby(["method", "status"], sort=False).size()
     )
     table = counts.unstack(fill_value=0)
-    made = bars("runs", len(table), map(str, table.columns))
+    methods = [str(method) for method in table.index]
+    made = bars("runs", methods, map(str, table.columns))
     for status in [*Status, "unknown"]:
         if status in table:
             made.add_bar(
-                y=table.index.astype(str), x=table[status], name=str(status).replace("_", " "), orientation="h",
+                y=[wrapped(method) for method in methods], x=table[status], name=str(status).replace("_", " "), orientation="h",
                 marker={"color": COLORS.get(status, "#DDDDDD")},
                 hovertemplate="%{x} runs<extra>" + str(status) + "</extra>",
             )  # fmt: skip

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from benchbench.analysis.wilson import Rate, wilson
-from benchbench.report.html.charts.chart import ROW_PX, Chart, figure
+from benchbench.report.html.charts.chart import Chart, figure, rows_height, wrapped
 from benchbench.report.style import BAD, GOOD
 
 MARKS = {"certified": (GOOD, "circle"), "claimed": (BAD, "circle-open")}
@@ -37,8 +37,8 @@ def chart(runs: pd.DataFrame) -> Chart:
         "Share of each method's runs in which the solver claims success, and in which our own checks accept the "
         "plan. Bars are 95 % Wilson score intervals."
     )
-    made = figure("share of runs [%]", height=ROW_PX * len(rates) + 90, names=MARKS)
     names = [one.method for one in rates]
+    made = figure("share of runs [%]", height=rows_height(names), names=MARKS)
     for kind, (color, symbol) in MARKS.items():
         found: list[Rate] = [getattr(one, kind) for one in rates]
         shares = [100 * (rate.rate or 0.0) for rate in found]
@@ -56,7 +56,7 @@ def chart(runs: pd.DataFrame) -> Chart:
     made.update_xaxes(range=[-2, 102])
     made.update_yaxes(
         tickvals=list(range(len(names))),
-        ticktext=names,
+        ticktext=[wrapped(name) for name in names],
         range=[len(names) - 0.5, -0.5],
         ticks="",
         ticklabelstandoff=6,
