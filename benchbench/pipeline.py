@@ -14,6 +14,7 @@ from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.residuals import residuals
+from benchbench.certificate.stationarity import stationarity
 from benchbench.race.scenario import Race
 from benchbench.solver import Claim
 from benchbench.storage import provenance
@@ -58,6 +59,7 @@ def run(
     judged = time.process_time()
     found = residuals(result.problem.mpcc, result.solved.x) if isinstance(result, Result) else None
     certificate = certify(result.plan, case.scenario, case.model, case.limits, found)
+    first_order = _first_order(case, result)
     bound = lower_bound(case.scenario, case.model, case.model.plant())
     costs = {"certificate_cpu_s": time.process_time() - judged, "wall_s": time.perf_counter() - began}
     record = _record(
@@ -65,7 +67,7 @@ def run(
         result,
         certificate,
         ledger,
-        {**before, **costs, **_spread(timed), "lower_bound_s": bound, **(labels or {})},
+        {**before, **costs, **_spread(timed), "lower_bound_s": bound, **first_order, **(labels or {})},
     )
     return Run(case, result, certificate, record)
 
@@ -92,6 +94,13 @@ def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
     verdict = "certified" if done.certificate.certified else f"NOT certified: {done.certificate.reasons[0]}"
     draw(paths["picture"], plan, case.scenario, case.model, flight, title, verdict)
     return paths
+
+
+def _first_order(case: Case, result: Result | Outside) -> dict[str, Any]:
+    """Stationarity where it is asked: it costs more than the whole certificate of a flight."""
+    if case.limits.stationarity != "on" or not isinstance(result, Result):
+        return {}
+    return dict(stationarity(result.problem.mpcc, result.solved.x).record())
 
 
 def _again(case: Case, watch: Watch | None) -> Ledger:

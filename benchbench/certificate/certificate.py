@@ -32,6 +32,7 @@ class Measures:
 
     max_violation: float | None = None
     max_complementarity: float | None = None
+    max_product: float | None = None
     replay_defect_position_m: float | None = None
     replay_defect_angle_rad: float | None = None
     replay_drift_position_m: float | None = None

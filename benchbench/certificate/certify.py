@@ -10,7 +10,7 @@ import numpy as np
 from benchbench.certificate import checks, race, stops
 from benchbench.certificate.audit import Audit, audit
 from benchbench.certificate.certificate import Certificate, Check, Measures
-from benchbench.certificate.limits import Limits
+from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import Defects, Replay, defects, replay
 from benchbench.certificate.residuals import Residuals
 from benchbench.model import Model
@@ -58,6 +58,13 @@ def certify(
     return Certificate(tuple(found), Measures(**_problem(residuals), **measures), flight)
 
 
+def certify_problem(residuals: Residuals, limits: ProblemLimits) -> Certificate:
+    """Judge a solution of an MPCC that is no flight: its residuals are all there is to ask."""
+    return Certificate(
+        tuple(checks.original_problem(residuals, limits)), Measures(**_problem(residuals)), None
+    )
+
+
 def _certify_race(
     plan: Plan, scenario: Race, model: Model, limits: Limits, residuals: Residuals | None, missed: Defects,
     found: list[Check],
@@ -96,7 +103,11 @@ def _breakdown(at: float) -> Check:
 def _problem(residuals: Residuals | None) -> dict[str, Any]:
     if residuals is None:
         return {}
-    return {"max_violation": residuals.max_violation, "max_complementarity": residuals.max_complementarity}
+    return {
+        "max_violation": residuals.max_violation,
+        "max_complementarity": residuals.max_complementarity,
+        "max_product": residuals.max_product,
+    }
 
 
 def _measures(

@@ -8,7 +8,7 @@ import numpy as np
 
 from benchbench.certificate.audit import Audit, event_contacts, path_contacts
 from benchbench.certificate.certificate import Check, at_least, at_most, worst
-from benchbench.certificate.limits import Limits
+from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import Defects, Replay
 from benchbench.certificate.residuals import Residuals
 from benchbench.model import Coordinates, Model
@@ -24,12 +24,18 @@ EXCEEDS = "exceeds its limits by"
 TIMES = "times its limit"
 
 
-def original_problem(found: Residuals, limits: Limits) -> Checks:
-    """Check the residuals of the MPCC the plan is said to solve."""
+def original_problem(found: Residuals, limits: ProblemLimits) -> Checks:
+    """Check the residuals of the MPCC that is said to be solved."""
     what = f"violation of the original problem (worst in '{found.worst_constraint}')"
     yield at_most("residual", what, found.max_violation, limits.residual, "1")
-    what = "violation of the complementarity pairs"
-    yield at_most("complementarity", what, found.max_complementarity, limits.complementarity, "1")
+    if limits.complementarity is not None:
+        what = "violation of the complementarity pairs"
+        yield at_most("complementarity", what, found.max_complementarity, limits.complementarity, "1")
+    if limits.product is not None:
+        what = "violation of the signs of the complementarity pairs"
+        yield at_most("complementarity_sign", what, found.max_negativity, limits.residual, "1")
+        what = "product of a complementarity pair"
+        yield at_most("complementarity_product", what, found.max_product, limits.product, "1")
 
 
 def soundness(plan: Plan) -> Checks:

@@ -2,16 +2,34 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import BaseModel, ConfigDict, Field
 
 from benchbench.scenario import NonNegative, Positive
 
 
-class Limits(BaseModel):
-    """Tolerances of the certificate, the same for every dynamics, relaxation and solver.
+class ProblemLimits(BaseModel):
+    """What a solution of any MPCC must keep; a problem that is no flight has no other limits.
 
-    residual             largest violation of a bound or constraint of the original MPCC, scaled as it is
-    complementarity      largest violation of a complementarity pair, scaled as it is
+    residual         largest violation of a bound, a constraint or the sign of a pair, scaled as the MPCC is
+    complementarity  largest min(G, H) of a pair, scaled as it is; null: not asked
+    product          largest G H of a pair, scaled as it is; null: not asked
+    stationarity     whether the class of stationarity is found out and recorded: on, off, or auto, which is on
+                     where the MPCC came ready-made and off for flights (10 s at N = 100). It certifies nothing
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    residual: Positive
+    complementarity: Positive | None = None
+    product: Positive | None = None
+    stationarity: Literal["auto", "on", "off"] = "auto"
+
+
+class Limits(ProblemLimits):
+    """Tolerances of the certificate of flights, the same for every dynamics, relaxation and solver.
+
     node                 rounding allowed for ends, limits, inputs, contacts at planned nodes, own unit
     contact_claim        a node whose progress index exceeds this claims to be in contact, 1
     contact_allowance    by contact name: how far the replay may exceed the contact's limit, its unit
@@ -30,10 +48,6 @@ class Limits(BaseModel):
     restart_seconds      the replay starts again from the planned state after so long, s; null: never
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    residual: Positive
-    complementarity: Positive
     node: Positive
     contact_claim: Positive
     contact_allowance: dict[str, NonNegative] = Field(default_factory=dict)

@@ -48,6 +48,16 @@ class Residuals:
         return _worst([x for p in self.pairs.values() for x in (p.negativity, p.natural)])
 
     @property
+    def max_negativity(self) -> float:
+        """Worst violation of a sign over all pairs."""
+        return _worst([p.negativity for p in self.pairs.values()])
+
+    @property
+    def max_product(self) -> float:
+        """Largest product over all pairs."""
+        return _worst([p.product for p in self.pairs.values()])
+
+    @property
     def worst_constraint(self) -> str:
         """Name of the most violated constraint block, or "bounds"."""
         named = {"bounds": self.bounds, **self.constraints}

@@ -84,6 +84,10 @@ COLUMNS: tuple[Column, ...] = (
     # certificate: residuals of the original problem
     Column("max_violation", "float", "scaled", "largest violation of bounds and constraints of the MPCC"),
     Column("max_complementarity", "float", "scaled", "largest residual of the pairs of the MPCC"),
+    Column("max_product", "float", "scaled", "largest product G H of a pair of the MPCC; for a vanishing pair with max(H, 0)"),
+    Column("kkt_residual", "float", "", "largest component of the MPCC's Lagrangian gradient, multipliers re-estimated, over max(1, |cost gradient|)"),
+    Column("stationarity", "str", "", "strongest class of stationarity proved: S, M, C, W, none or undecided; empty where it was not asked"),
+    Column("b_stationary", "str", "", "the linearised MPCC has no descent direction: yes, no or undecided; empty where it was not asked"),
     # certificate: replay of the inputs on the independent plant
     Column("replay_defect_position_m", "float", "m", "largest position error after one interval, replay restarted at each node"),
     Column("replay_defect_angle_rad", "float", "rad", "largest angle error after one interval, replay restarted at each node"),
