@@ -186,7 +186,7 @@ def test_traceback_is_shown_when_asked(tmp_path: Path) -> None:
 def test_without_arguments_it_explains_itself(tmp_path: Path) -> None:
     done = program(tmp_path)
     assert_refused(done, "scenario", "+scenario=NAME")
-    assert "+scenario    circle, delivery, detour, first_robot, linear, race, static, two_free" in done.stdout
+    assert "+scenario    circle, delivery, detour" in done.stdout
     assert not list(tmp_path.iterdir())
 
 
