@@ -46,14 +46,14 @@ print(json.dumps({"build": ledger.build_cpu, "solve": ledger.solve_cpu, "iterati
                   "travel_time": found.plan.travel_time}))
 """
 REPLAN = """
-import json, sys
+import json, sys, time
 from dataclasses import replace
 import numpy as np
 from benchbench import config
 from benchbench.replan import Replanner
 scenario, intervals = sys.argv[1:]
 case = config.compose(f"+scenario={scenario}", f"scenario.intervals={intervals}", "scenario.contact_seconds=0.05")
-replanner, target, seconds, iterations = Replanner(case), case.scenario.target, [], []
+replanner, target, cpu, wall, iterations = Replanner(case), case.scenario.target, [], [], []
 field = {"static": "position_m", "linear": "start_m", "circle": "centre_m"}[scenario]
 draw = np.random.default_rng(0)
 for _ in range(15):
@@ -64,10 +64,12 @@ for _ in range(15):
     if scenario == "circle":
         changes["phase_rad"] = target.phase_rad + 0.05 * target.rate_radps
     target = replace(target, **changes)
+    began = time.process_time()
     answer = replanner.plan(target, q, v, 0.05)
-    seconds.append(answer.seconds)
+    cpu.append(time.process_time() - began)
+    wall.append(answer.seconds)
     iterations.append(answer.result.solved.outcome.iterations)
-print(json.dumps({"seconds": seconds, "iterations": iterations}))
+print(json.dumps({"cpu": cpu, "wall": wall, "iterations": iterations}))
 """
 NODES = {"static": 42, "linear": 43, "circle": 48}
 MODES = {"auto": "compiled", "never": "interpreted"}
@@ -113,8 +115,8 @@ def _strategies(name: str, strategy: str, mode: str, repeats: int, scratch: str)
 
 def _replans(name: str, scratch: str) -> None:
     found = _run(REPLAN, scratch, name, "50")
-    middle = statistics.median(found["iterations"])
-    _row("one replan N=50, wall", name, found["seconds"], f"{middle:.0f} iterations")
+    middle, wall = (statistics.median(found[k]) for k in ("iterations", "wall"))
+    _row("one replan N=50", name, found["cpu"], f"{middle:.0f} iterations, wall {wall:.3f} s")
 
 
 def _environment(scratch: str) -> dict[str, str]:
@@ -142,7 +144,7 @@ def _whole(name: str, scratch: str) -> dict[str, float]:
 
 def _row(what: str, scenario: str, values: list[float], note: str) -> None:
     middle, low, high = statistics.median(values), min(values), max(values)
-    print(f"| {what} | {scenario} | {middle:.2f} ({low:.2f} to {high:.2f}) | {note} |", flush=True)
+    print(f"| {what} | {scenario} | {middle:.3f} ({low:.3f} to {high:.3f}) | {note} |", flush=True)
 
 
 if __name__ == "__main__":
