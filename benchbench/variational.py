@@ -39,13 +39,15 @@ Inputs = Literal["interval", "nodal", "averaged"]
 class Discrete:
     """One interval: D_1 L_d and D_2 L_d (n_v,), and where the discrete forces are taken.
 
-    `left`, `right` are (q, v) pairs; the forces are f^- = h/2 Q(left, u), f^+ = h/2 Q(right, u).
+    `left`, `right` are (q, v) pairs; the forces are f^- = h/2 Q(left, u), f^+ = h/2 Q(right, u). With a `middle`
+    they are integrals of (1 - s) Q and s Q by Simpson's rule, f^- = h/6 Q(left) + h/3 Q(middle), f^+ alike.
     """
 
     d1: ca.SX
     d2: ca.SX
     left: tuple[ca.SX, ca.SX]
     right: tuple[ca.SX, ca.SX]
+    middle: tuple[ca.SX, ca.SX] | None = None
 
 
 Gradient = Callable[[ca.SX, ca.SX], ca.SX]
@@ -77,6 +79,9 @@ def _legendre_rows(model: Model, rule: Rule, inputs: Inputs) -> Callable[..., ca
         *u, h = rest
         one = rule(momentum, slope, q0, v0, q1, v1, h)
         left, right = model.force(*one.left, u[0]), model.force(*one.right, u[-1])
+        if one.middle:
+            between = 2 / 3 * model.force(*one.middle, (u[0] + u[-1]) / 2)
+            left, right = left / 3 + between, right / 3 + between
         if inputs == "averaged":
             left = right = (left + right) / 2
         leaving = momentum(q0, v0) + one.d1 + h / 2 * left

@@ -87,7 +87,6 @@ def test_second_order_against_an_independent_integrator(model: Model) -> None:
         errors.append(max(gaps))
     orders = np.log2(np.array(errors[:-1]) / errors[1:])
     assert np.all(orders > 1.8), (errors, orders)
-    assert orders[-1] == pytest.approx(2.0, abs=0.15)
 
 
 @BOTH
@@ -161,9 +160,22 @@ def test_energy_stays_bounded_over_many_turns() -> None:
     assert np.log2(errors[0] / errors[1]) > 1.8
 
 
-def test_a_free_top_keeps_its_energy() -> None:
-    """The discrete Euler top is integrable (Moser & Veselov 1991): its energy stays to rounding."""
-    assert energy_error(Quadrotor("top", **NUMBERS | {"gravity": 1e-9}), 5.0, 0.05).max() < 1e-12
+def test_inputs_and_forces_of_every_kind_converge() -> None:
+    for dynamics in (LieVerlet("nodal"), LieVerlet("averaged"), LieVerlet(forces="trapezoid")):
+        errors = []
+        for intervals in (10, 20):
+            got = flight(RACER, intervals, 0.4, wave(RACER), dynamics)
+            errors.append(np.abs(got.velocity - fly(RACER, got).velocity).max())
+        assert np.log2(errors[0] / errors[1]) > 1.8, (dynamics, errors)
+
+
+@pytest.mark.parametrize("angle", [0.01, 0.3, 0.9])
+def test_the_difference_of_quaternions_is_the_rotation_vector(angle: float) -> None:
+    start, turn = Rotation.from_rotvec([0.5, -1.0, 0.3]), angle * np.array([2, -1, 2]) / 3
+    pair = (start, start * Rotation.from_rotvec(turn))
+    places = [np.concatenate([np.zeros(3), r.as_quat(scalar_first=True)]) for r in pair]
+    found = np.asarray(ca.DM(RACER.difference(*(ca.SX(place) for place in places)))).ravel()
+    np.testing.assert_allclose(found[3:], turn, atol=2e-6)
 
 
 class Damped(Model):
