@@ -38,7 +38,16 @@ print(json.dumps({**{k: done.record[k] for k in keep}, **spent, "certified": don
 """
 RAMP, FLAT = "vehicle=race_ramp", "vehicle=race_quadrotor"
 GATES = (1, 2, 3, 4, 7, 12)
-ACCURACY = (("rk4", 20), ("rk4", 40), ("lie_verlet", 40), ("lie_verlet", 120), ("verlet", 120))
+ACCURACY = (
+    ("rk4", 20),
+    ("rk4", 40),
+    ("lie_verlet dynamics.forces=simpson", 20),
+    ("lie_verlet dynamics.forces=simpson", 40),
+    ("lie_verlet", 40),
+    ("lie_verlet", 50),
+    ("verlet", 40),
+    ("verlet", 120),
+)
 
 
 def main() -> None:
@@ -62,7 +71,12 @@ def main() -> None:
         print(f"\n4 gates, {RAMP}, {RAMP}_euler for verlet\n\n{_head('dynamics, nodes per gate')}")
         for dynamics, nodes in ACCURACY:
             vehicle = f"{RAMP}_euler" if dynamics == "verlet" else RAMP
-            chosen = [vehicle, f"dynamics={dynamics}", f"scenario.nodes_per_gate={nodes}", "scenario.gates=4"]
+            chosen = [
+                vehicle,
+                *f"dynamics={dynamics}".split(),
+                f"scenario.nodes_per_gate={nodes}",
+                "scenario.gates=4",
+            ]
             _row(f"`{dynamics}`, {nodes}", chosen, repeats, environment)
 
 

@@ -161,7 +161,7 @@ def test_energy_stays_bounded_over_many_turns() -> None:
 
 
 def test_inputs_and_forces_of_every_kind_converge() -> None:
-    for dynamics in (LieVerlet("nodal"), LieVerlet("averaged"), LieVerlet(forces="trapezoid")):
+    for dynamics in (LieVerlet("nodal"), LieVerlet("averaged"), LieVerlet(forces="simpson")):
         errors = []
         for intervals in (10, 20):
             got = flight(RACER, intervals, 0.4, wave(RACER), dynamics)
@@ -289,3 +289,23 @@ def test_verlet_refuses_quaternions() -> None:
     with pytest.raises(IncompatibleCase, match="adds coordinates") as caught:
         pipeline.run(config.compose("+scenario=static", "vehicle=table1_quaternion"))
     assert "lie_verlet" in str(caught.value)
+
+
+@pytest.mark.parametrize(("forces", "nodes"), [("simpson", 20), ("trapezoid", 50)])
+def test_replay_errors_of_races_at_the_declared_nodes(forces: str, nodes: int) -> None:
+    """At most 1 cm per segment; the time is RK4's at as many nodes."""
+    told_both = (
+        "+scenario=race",
+        "vehicle=race_ramp",
+        "scenario.gates=2",
+        f"scenario.nodes_per_gate={nodes}",
+    )
+    lie, rk4 = (
+        pipeline.run(config.compose(*told_both, f"dynamics={name}")).record
+        if name == "rk4"
+        else pipeline.run(config.compose(*told_both, f"dynamics={name}", f"dynamics.forces={forces}")).record
+        for name in ("lie_verlet", "rk4")
+    )
+    assert lie["replay_drift_position_m"] < 0.01
+    assert lie["status"] == rk4["status"] == "certified"
+    assert lie["travel_time_s"] == pytest.approx(rk4["travel_time_s"], rel=1e-3)

@@ -30,14 +30,14 @@ class LieVerlet(Dynamics):
         D_1 L_d = h/2 K_0^T dL/dq(q_0, w) + J_0^T m,   D_2 L_d = h/2 K_1^T dL/dq(q_1, w) + J_1^T m,
 
     with J_i = d difference / dq_i K_i and m the mean of dL/dv(q_0, w) and dL/dv(q_1, w).
-    inputs as in `verlet`. forces "simpson": also taken at the Hermite midpoint of the interval, where the vehicle
-    has turned; "trapezoid": at both nodes only, as in `verlet`.
+    inputs as in `verlet`. forces "trapezoid": at both nodes, as in `verlet`; "simpson": also at the Hermite midpoint of
+    the interval, where the vehicle has turned: for races, where it needs less than half the nodes.
     """
 
     needs_lagrangian: ClassVar[bool] = True
 
     inputs: Inputs = "interval"
-    forces: Literal["simpson", "trapezoid"] = "simpson"
+    forces: Literal["trapezoid", "simpson"] = "trapezoid"
 
     @property
     def order(self) -> int:
