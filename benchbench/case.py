@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 
 from benchbench.assemble import DERIVATIVES
 from benchbench.blocks import Compile
-from benchbench.certificate.limits import Limits
+from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.dynamics import Dynamics
 from benchbench.model import Model
+from benchbench.ready import ReadyMade
 from benchbench.relaxation import Relaxation
 from benchbench.scenario import Scenario
 from benchbench.solver import Accuracy, Outcome, Progress, Solver
@@ -26,24 +27,38 @@ GUESS = "guess"
 """How the names of stages begin that only make an initial guess."""
 
 
-@dataclass(frozen=True)
-class Case:
-    """Everything that decides a run; `names` are the names of the choices, by family."""
+@dataclass(frozen=True, kw_only=True)
+class Task:
+    """How an MPCC is solved and judged; `names` are the names of the choices, by family."""
 
-    scenario: Scenario
-    model: Model
-    dynamics: Dynamics
     relaxation: Relaxation
     solver: Solver
     strategy: Strategy
-    guess: Guess
-    limits: Limits
+    limits: ProblemLimits
     names: Mapping[str, str]
     seed: int = 0
     accuracy: Accuracy = "high"
     compile: Compile = "auto"
     time_limit: float = 300.0
     iteration_limit: int = 3000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case(Task):
+    """Everything that decides the run of a flight: one choice from every family."""
+
+    scenario: Scenario
+    model: Model
+    dynamics: Dynamics
+    guess: Guess
+    limits: Limits
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadyCase(Task):
+    """Everything that decides the run of an MPCC that comes ready-made."""
+
+    scenario: ReadyMade
 
 
 @dataclass(frozen=True)

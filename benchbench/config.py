@@ -21,24 +21,27 @@ from omegaconf import DictConfig, ListConfig, OmegaConf, open_dict
 from pydantic import ValidationError
 
 from benchbench import settings
-from benchbench.case import Case
-from benchbench.certificate.limits import Limits
+from benchbench.case import Case, ReadyCase
+from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.dynamics import Dynamics
 from benchbench.errors import BadInput, BenchBenchError, invalid, unknown_field
 from benchbench.guess import Guess
 from benchbench.hydra_errors import EXPECTED, PARTS, explained
 from benchbench.model import Model
 from benchbench.race.scenario import Race
+from benchbench.ready import ReadyMade
 from benchbench.relaxation import Relaxation
 from benchbench.scenario import Scenario
 from benchbench.solver import Solver
 from benchbench.strategy import Strategy
 
-KINDS: dict[str, type] = {
-    "scenario": dict, "vehicle": Model, "dynamics": Dynamics, "relaxation": Relaxation, "solver": Solver,
-    "strategy": Strategy, "guess": Guess, "certificate": Limits,
+KINDS: dict[str, type | tuple[type, ...]] = {
+    "scenario": (dict, ReadyMade), "vehicle": Model, "dynamics": Dynamics, "relaxation": Relaxation, "solver": Solver,
+    "strategy": Strategy, "guess": Guess, "certificate": ProblemLimits,
 }  # fmt: skip
 FAMILIES = tuple(family for family in KINDS if family != "scenario")
+FLIGHT = ("vehicle", "dynamics", "guess")
+"""Families that play no part in a scenario that comes ready-made as an MPCC."""
 NUMBERS = {"seed": (int, 0), "time_limit": (float, 1e-3), "iteration_limit": (int, 1)}
 """Numbers of a run with their type and smallest value."""
 WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
@@ -80,10 +83,18 @@ def choices(family: str) -> list[str]:
 
 
 def compose(*overrides: str) -> Case:
-    """Return the case that the same overrides give on the command line, for use from Python.
+    """Return the flight that the same overrides give on the command line, for use from Python.
 
     Own YAML: "hydra.searchpath=[file:///absolute/folder]". Raises BadInput.
     """
+    case = compose_any(*overrides)
+    if not isinstance(case, Case):
+        raise BadInput("scenario", f"'{case.names['scenario']}' is no flight", "a flight")
+    return case
+
+
+def compose_any(*overrides: str) -> Case | ReadyCase:
+    """Return the same of any scenario, a flight or an MPCC that comes ready-made. Raises BadInput."""
     with hydra.initialize_config_dir(folder(), version_base="1.3"):
         try:
             cfg = hydra.compose("config", list(overrides), return_hydra_config=True)
@@ -95,15 +106,42 @@ def compose(*overrides: str) -> Case:
         return build(cfg, chosen)
 
 
-def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case:
+def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
     """Make every part of the case; `chosen` are the names of the choices by family. Raises BadInput."""
     try:
         OmegaConf.to_container(cfg, resolve=True)
     except EXPECTED as error:
         raise explained(error) from None
     _check_run(cfg, chosen)
-    parts = {family: _make(cfg, family) for family in KINDS}
-    names = {family: str(chosen.get(family) or "custom") for family in FAMILIES}
+    parts = {family: _make(cfg, family) for family in _families(cfg)}
+    names = {family: str(chosen.get(family) or "custom") for family in parts if family != "scenario"}
+    how = {
+        **{f: parts[f] for f in ("relaxation", "solver", "strategy")}, "limits": parts["certificate"],
+        **{key: cfg[key] for key in (*NUMBERS, *WORDS)},
+    }  # fmt: skip
+    if isinstance(parts["scenario"], ReadyMade):
+        ready = parts["scenario"]
+        return ReadyCase(scenario=ready, names={"scenario": ready.name, **names}, **how)
+    return _flight(parts, names, how)
+
+
+def _families(cfg: DictConfig) -> list[str]:
+    """The families that this scenario needs a choice from; raises BadInput for another one."""
+    if "_target_" not in (cfg.get("scenario") or {}):
+        return list(KINDS)
+    for family in FLIGHT:
+        if cfg.get(family) is not None:
+            raise BadInput(
+                family, "plays no part in a problem that is no flight", f"~{family}, or no {family}"
+            )
+    return [family for family in KINDS if family not in FLIGHT]
+
+
+def _flight(parts: Mapping[str, Any], names: Mapping[str, str], how: Mapping[str, Any]) -> Case:
+    if not isinstance(parts["certificate"], Limits):
+        raise BadInput(
+            "certificate", f"'{names['certificate']}' is for problems that are no flight", "task, race"
+        )
     kind = Race if "track" in parts["scenario"] else Scenario
     try:
         scenario = kind(**parts["scenario"])
@@ -111,9 +149,8 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case:
         raise invalid("scenario", error, kind.model_fields) from None
     _check_margins(parts["scenario"])
     return Case(
-        scenario=scenario, model=parts["vehicle"], limits=parts["certificate"],
-        names={"scenario": scenario.name, **names}, **{key: cfg[key] for key in (*NUMBERS, *WORDS)},
-        **{f: parts[f] for f in ("dynamics", "relaxation", "solver", "strategy", "guess")},
+        scenario=scenario, model=parts["vehicle"], dynamics=parts["dynamics"], guess=parts["guess"],
+        names={"scenario": scenario.name, **names}, **how,
     )  # fmt: skip
 
 
@@ -122,7 +159,7 @@ def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:
     if chosen.get("scenario") in PARTS:
         problem = f"'{chosen['scenario']}' is what other scenarios have in common, not a scenario"
         raise BadInput("scenario", problem, ", ".join(choices("scenario")))
-    for family in KINDS:
+    for family in _families(cfg):
         if not isinstance(cfg.get(family), DictConfig) or (family == "scenario" and not chosen.get(family)):
             plus = "+" if family == "scenario" else ""
             allowed = f"{plus}{family}=NAME with NAME one of {', '.join(choices(family))}"
@@ -164,9 +201,14 @@ def _make(cfg: DictConfig, family: str) -> Any:
     except EXPECTED as error:
         raise explained(error) from None
     if not isinstance(made, KINDS[family]):
-        raise BadInput(f"{family}._target_", f"gives a {type(made).__name__}", f"a {KINDS[family].__name__}")
+        raise BadInput(f"{family}._target_", f"gives a {type(made).__name__}", f"a {_kind(family)}")
     _check_names(cfg[family], family)
     return made
+
+
+def _kind(family: str) -> str:
+    kinds = KINDS[family]
+    return " or ".join(kind.__name__ for kind in (kinds if isinstance(kinds, tuple) else (kinds,)))
 
 
 def _check_names(node: Any, place: str) -> None:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, replace
+from math import sqrt
 
 import numpy as np
 
-from benchbench.case import Case, Ledger
+from benchbench.case import Ledger, Task
+from benchbench.certificate.residuals import residuals
 from benchbench.errors import IncompatibleCase
 from benchbench.mpcc import Mpcc
 from benchbench.plan import Array
@@ -31,7 +34,23 @@ class Solved:
     relaxed: Mpcc | None = None
 
 
-def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str, near: Solved | None = None) -> Solved:
+@dataclass(frozen=True)
+class Path:
+    """Values of sigma other than the relaxation's own schedule, for a start from far away.
+
+    retries  how often in all a sigma that fails is reached for again from the last one solved, over a sigma
+             between the two. In the end the last point solved counts, not the last one tried
+    enough   the path ends where no product G H of the original problem exceeds this
+    """
+
+    schedule: tuple[float, ...]
+    retries: int = 0
+    enough: float = 0.0
+
+
+def homotopy(
+    mpcc: Mpcc, case: Task, ledger: Ledger, stage: str, near: Solved | None = None, path: Path | None = None
+) -> Solved:
     """Solve an MPCC; without pairs it is one smooth solve.
 
     Each sigma starts from the last good point with fresh multipliers. A sigma that fails does not stop the
@@ -41,6 +60,7 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str, near: Solved | 
 
     near: a solved problem in whose solution this one is guessed. It gives the multipliers of what both have (see
     `carried`), and there is nowhere to be led: only the last sigma is solved.
+    path: see `Path`; without one it is the relaxation's schedule, every sigma once.
     """
     with ledger.building():
         smoothed = smooth(mpcc, case.relaxation) if mpcc.pairs else Smooth(mpcc)
@@ -50,9 +70,12 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str, near: Solved | 
         watch = ledger.watch.stage(stage, where) if ledger.watch else None
         solve = _prepare(relaxed, case, ledger, watch, near is not None)
         point = Point(relaxed.guess) if near is None else carried(relaxed, near)
-    outcome, sigma = None, 0.0
-    schedule = case.relaxation.schedule if mpcc.pairs else (0.0,)
-    for sigma in schedule if near is None else schedule[-1:]:
+    path = path or Path(case.relaxation.schedule)
+    schedule = path.schedule if mpcc.pairs else (0.0,)
+    pending = deque(schedule if near is None else schedule[-1:])
+    retries, best, outcome, sigma = path.retries, None, None, 0.0
+    while pending:
+        sigma = pending.popleft()
         if smoothed.mpcc is not relaxed:
             with ledger.building():
                 relaxed = smoothed.mpcc
@@ -67,13 +90,25 @@ def homotopy(mpcc: Mpcc, case: Case, ledger: Ledger, stage: str, near: Solved | 
             point = Point(outcome.point.x)
         if outcome.claim == "solved":
             smoothed = smoothed.after(point.x, sigma)
+            best = Solved(outcome, *_original(mpcc, relaxed, point.x), sigma, relaxed)
+            if path.enough and residuals(mpcc, best.x).max_product <= path.enough:
+                break
+        elif best is not None and retries > 0:
+            retries -= 1
+            pending.extendleft((sigma, sqrt(sigma * best.sigma)))
         if outcome.claim == "time_limit" or ledger.seconds_left <= 0.1:
             break
     if outcome is None:
         raise ValueError("relaxation.schedule is empty")
-    values = relaxed.split(outcome.point.x)
-    x = np.concatenate([np.zeros(0), *(values[v.name].ravel() for v in mpcc.variables)])
-    return Solved(outcome, values, x, sigma, relaxed)
+    if best is not None and path.retries:
+        return best
+    return Solved(outcome, *_original(mpcc, relaxed, outcome.point.x), sigma, relaxed)
+
+
+def _original(mpcc: Mpcc, relaxed: Mpcc, x: Array) -> tuple[dict[str, Array], Array]:
+    """Unknowns by name, and those of the original problem stacked."""
+    values = relaxed.split(x)
+    return values, np.concatenate([np.zeros(0), *(values[v.name].ravel() for v in mpcc.variables)])
 
 
 def carried(mpcc: Mpcc, near: Solved) -> Point:
@@ -101,7 +136,7 @@ def _travel_time(outcome: Outcome, where: tuple[int, int] | None) -> float | Non
 
 
 def _prepare(
-    relaxed: Mpcc, case: Case, ledger: Ledger, watch: Progress | None, warm: bool = False
+    relaxed: Mpcc, case: Task, ledger: Ledger, watch: Progress | None, warm: bool = False
 ) -> Prepared:
     if relaxed.pairs and not case.solver.native_pairs:
         solver, relaxation = case.names["solver"], case.names["relaxation"]

@@ -9,17 +9,20 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from benchbench.case import Case, Ledger, Watch
+import numpy as np
+
+from benchbench.case import Case, Ledger, ReadyCase, Watch
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.certificate import Certificate
-from benchbench.certificate.certify import certify
+from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.residuals import residuals
 from benchbench.certificate.stationarity import stationarity
+from benchbench.mpcc import evaluate
 from benchbench.race.scenario import Race
 from benchbench.solver import Claim
 from benchbench.storage import provenance
 from benchbench.storage.schema import Status, make_record
-from benchbench.strategy import Outside, Result
+from benchbench.strategy import Answer, Outside, Result
 from benchbench.validate import validate
 
 STATUS: dict[Claim, Status] = {
@@ -34,16 +37,21 @@ STATUS: dict[Claim, Status] = {
 class Run:
     """What one run found: the plan and its claimed solution, the judgement, the row of the table."""
 
-    case: Case
-    result: Result | Outside
+    case: Case | ReadyCase
+    result: Result | Outside | Answer
     certificate: Certificate
     record: dict[str, Any]
 
 
 def run(
-    case: Case, watch: Watch | None = None, labels: Mapping[str, Any] | None = None, repeats: int = 1
+    case: Case | ReadyCase,
+    watch: Watch | None = None,
+    labels: Mapping[str, Any] | None = None,
+    repeats: int = 1,
 ) -> Run:
     """Plan, judge, record; raises BadInput for a case that cannot work.
+
+    A flight is posed by its strategy; a ready-made MPCC enters at the waist, and there is no plan in its solution.
 
     labels: ready columns of the record; repeats: solves to time. The plan is always the first solve's; with
     more than one repeat that one is the warm-up and is not among the timed ones.
@@ -52,22 +60,21 @@ def run(
     began = time.perf_counter()
     validate(case)
     ledger = Ledger(case.time_limit, watch)
-    result = case.strategy.solve(case, ledger)
+    result = _solve(case, ledger)
     timed = [_again(case, watch) for _ in range(repeats)] if repeats > 1 else [ledger]
     if watch:
         watch.stage("certificate", None)
     judged = time.process_time()
-    found = residuals(result.problem.mpcc, result.solved.x) if isinstance(result, Result) else None
-    certificate = certify(result.plan, case.scenario, case.model, case.limits, found)
+    certificate = _judge(case, result)
     first_order = _first_order(case, result)
-    bound = lower_bound(case.scenario, case.model, case.model.plant())
+    told = _flight(case, result) if isinstance(case, Case) else {}
     costs = {"certificate_cpu_s": time.process_time() - judged, "wall_s": time.perf_counter() - began}
     record = _record(
         case,
         result,
         certificate,
         ledger,
-        {**before, **costs, **_spread(timed), "lower_bound_s": bound, **first_order, **(labels or {})},
+        {**before, **costs, **_spread(timed), **told, **first_order, **(labels or {})},
     )
     return Run(case, result, certificate, record)
 
@@ -77,16 +84,27 @@ def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
 
     `config` is the composed configuration as YAML. Raises BadInput("output", ...) when the disk refuses.
     """
-    from benchbench.report.picture import draw
-    from benchbench.storage.files import PLAN, write_bytes, write_record
-    from benchbench.storage.recording import write_mcap
+    from benchbench.storage.files import write_bytes, write_record, write_solution
     from benchbench.storage.table import append
 
-    paths = {"config": folder / "config.yaml", "plan": folder / PLAN, "picture": folder / "plan.png"}
-    case, plan, flight = done.case, done.result.plan, done.certificate.flight
+    paths = {"config": folder / "config.yaml"}
     write_bytes(paths["config"], config.encode())
     paths["record"] = write_record(folder, done.record)
     paths["table"] = append(done.record, table).parent
+    if isinstance(done.result, Answer):
+        return paths | {"solution": write_solution(folder, done.result.mpcc.split(done.result.solved.x))}
+    return paths | _write_flight(done, folder, config)
+
+
+def _write_flight(done: Run, folder: Path, config: str) -> dict[str, Path]:
+    from benchbench.report.picture import draw
+    from benchbench.storage.files import PLAN
+    from benchbench.storage.recording import write_mcap
+
+    paths = {"plan": folder / PLAN, "picture": folder / "plan.png"}
+    case, result, flight = done.case, done.result, done.certificate.flight
+    assert isinstance(case, Case) and not isinstance(result, Answer)
+    plan = result.plan
     write_mcap(paths["plan"], plan, flight, case.scenario, case.model, {"config": config})
     title = (
         f"{case.names['scenario']}, {case.names['dynamics']}, N = {plan.intervals}, {case.names['strategy']}"
@@ -96,17 +114,47 @@ def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
     return paths
 
 
-def _first_order(case: Case, result: Result | Outside) -> dict[str, Any]:
-    """Stationarity where it is asked: it costs more than the whole certificate of a flight."""
-    if case.limits.stationarity != "on" or not isinstance(result, Result):
-        return {}
-    return dict(stationarity(result.problem.mpcc, result.solved.x).record())
+def _solve(case: Case | ReadyCase, ledger: Ledger) -> Result | Outside | Answer:
+    if isinstance(case, Case):
+        return case.strategy.solve(case, ledger)
+    with ledger.building():
+        mpcc = case.scenario.mpcc()
+    return Answer(mpcc, case.strategy.answer(mpcc, case, ledger))
 
 
-def _again(case: Case, watch: Watch | None) -> Ledger:
+def _again(case: Case | ReadyCase, watch: Watch | None) -> Ledger:
     ledger = Ledger(case.time_limit, watch, repeated=True)
-    case.strategy.solve(case, ledger)
+    _solve(case, ledger)
     return ledger
+
+
+def _judge(case: Case | ReadyCase, result: Result | Outside | Answer) -> Certificate:
+    if isinstance(case, Case) and isinstance(result, Outside):
+        return certify(result.plan, case.scenario, case.model, case.limits)
+    assert not isinstance(result, Outside)
+    found = residuals(result.mpcc, result.solved.x)
+    if isinstance(case, Case) and isinstance(result, Result):
+        return certify(result.plan, case.scenario, case.model, case.limits, found)
+    return certify_problem(found, case.limits)
+
+
+def _first_order(case: Case | ReadyCase, result: Result | Outside | Answer) -> dict[str, Any]:
+    """Stationarity where it is asked: of a flight it costs more than the whole certificate."""
+    asked = case.limits.stationarity
+    if isinstance(result, Outside) or asked == "off" or (asked == "auto" and isinstance(case, Case)):
+        return {}
+    return dict(stationarity(result.mpcc, result.solved.x).record())
+
+
+def _flight(case: Case, result: Result | Outside | Answer) -> dict[str, Any]:
+    """What a record says of a flight only."""
+    assert not isinstance(result, Answer)
+    return {
+        "intervals": result.plan.intervals,
+        "kappa_init": None if isinstance(case.scenario, Race) else case.scenario.kappa_init,
+        "travel_time_s": result.plan.travel_time,
+        "lower_bound_s": lower_bound(case.scenario, case.model, case.model.plant()),
+    }
 
 
 def _spread(timed: Sequence[Ledger]) -> dict[str, Any]:
@@ -121,9 +169,13 @@ def _spread(timed: Sequence[Ledger]) -> dict[str, Any]:
 
 
 def _record(
-    case: Case, result: Result | Outside, certificate: Certificate, ledger: Ledger, more: Mapping[str, Any]
+    case: Case | ReadyCase,
+    result: Result | Outside | Answer,
+    certificate: Certificate,
+    ledger: Ledger,
+    more: Mapping[str, Any],
 ) -> dict[str, Any]:
-    outcome = result.solved.outcome if isinstance(result, Result) else None
+    outcome = None if isinstance(result, Outside) else result.solved.outcome
     claim = outcome.claim if outcome else "solved"
     status = Status.CERTIFIED if certificate.certified else STATUS.get(claim, Status.ERROR)
     judged = certificate.record()
@@ -135,11 +187,8 @@ def _record(
         status=status,
         claimed_success=claim == "solved",
         **judged,
-        **(_posed(case, result) if isinstance(result, Result) else _outside(case, result)),
-        intervals=result.plan.intervals,
-        kappa_init=None if isinstance(case.scenario, Race) else case.scenario.kappa_init,
+        **(_outside(case, result) if isinstance(result, Outside) else _posed(case, result)),
         seed=case.seed,
-        travel_time_s=result.plan.travel_time,
         iterations=ledger.iterations,
         evaluations=ledger.evaluations,
         **ledger.costs(),
@@ -148,22 +197,30 @@ def _record(
     )
 
 
-def _posed(case: Case, result: Result) -> dict[str, Any]:
+def _posed(case: Case | ReadyCase, result: Result | Answer) -> dict[str, Any]:
     """What a record says of the problem and of who solved it."""
-    mpcc = result.problem.mpcc
+    mpcc = result.mpcc
     return {
         **{family: name for family, name in case.names.items() if family != "certificate"},
-        "objective": result.solved.outcome.objective,
+        "objective": _objective(result),
         "n_variables": mpcc.size,
         "n_constraints": sum(b.lower.size for b in mpcc.constraints),
         "n_pairs": sum(p.count for p in mpcc.pairs),
         "mpcc_hash": mpcc.digest,
         "solver_version": case.solver.version(),
-        **result.account,
+        **(result.account if isinstance(result, Result) else {}),
     }
 
 
-def _outside(case: Case, result: Outside) -> dict[str, Any]:
+def _objective(result: Result | Answer) -> float:
+    """The cost; of a ready-made problem without what its relaxation added."""
+    if isinstance(result, Result):
+        return result.solved.outcome.objective
+    mpcc, x = result.mpcc, result.solved.x
+    return float(sum(np.sum(evaluate(block, mpcc, x)) for block in mpcc.costs))
+
+
+def _outside(case: Case | ReadyCase, result: Outside) -> dict[str, Any]:
     """The same of a plan from elsewhere: its planner stands for the solver, our other choices played no part."""
     ours = {family: case.names[family] for family in ("scenario", "vehicle", "strategy")}
     return {**ours, "solver": result.planner}

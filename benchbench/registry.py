@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 
 FAMILIES = (
-    "models", "dynamics", "contacts", "motions", "relaxations", "solvers", "strategies", "guesses", "peers",
+    "models", "dynamics", "contacts", "motions", "relaxations", "solvers", "strategies", "guesses", "collections", "peers",
 )  # fmt: skip
 
 

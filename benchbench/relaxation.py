@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -78,6 +78,9 @@ class Relaxation(ABC):
     kinds: tuple[PairKind, ...] = ("complementarity",)
     accuracy: float = 1e-3
     """How far from a stationary point, and from G H = 0, the last sigma may end on a problem scaled to one."""
+
+    power: ClassVar[float] = 1.0
+    """Products G H end near sigma to this power; 0: there is no sigma to drive."""
 
     @abstractmethod
     def relax(

@@ -12,6 +12,7 @@ from omegaconf import DictConfig, OmegaConf
 from benchbench import config
 from benchbench.analysis.costs import solve_time
 from benchbench.analysis.naming import flatten, name_runs
+from benchbench.case import Case
 from benchbench.errors import BadInput
 from benchbench.hydra_errors import EXPECTED
 from benchbench.report.contact_window import contact_windows
@@ -86,6 +87,8 @@ def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, A
     if tree is None:
         raise ValueError("its configuration is missing")
     case = config.build(_composed(tree), record)
+    if not isinstance(case, Case):
+        raise ValueError("it is no flight")
     plan, flight, scenario, model = recording.plan, recording.flight, case.scenario, case.model
     panels = [
         *contact_panels(plan, scenario, model, flight), *limit_panels(plan, scenario, model, flight),

@@ -8,9 +8,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from benchbench import posing
-from benchbench.case import Case, Ledger
+from benchbench.case import Case, Ledger, Task
+from benchbench.errors import IncompatibleCase
 from benchbench.formulation import Problem
 from benchbench.homotopy import Solved, homotopy
+from benchbench.mpcc import Mpcc
 from benchbench.plan import Plan
 from benchbench.posing import Made
 
@@ -27,6 +29,11 @@ class Result:
     plan: Plan
     account: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def mpcc(self) -> Mpcc:
+        """The MPCC of the problem."""
+        return self.problem.mpcc
+
 
 @dataclass(frozen=True)
 class Outside:
@@ -36,12 +43,26 @@ class Outside:
     planner: str
 
 
+@dataclass(frozen=True)
+class Answer:
+    """An MPCC that came ready-made, and its claimed solution; there is no plan in it."""
+
+    mpcc: Mpcc
+    solved: Solved
+
+
 class Strategy(ABC):
     """Turns a case into a plan."""
 
     @abstractmethod
     def solve(self, case: Case, ledger: Ledger) -> Result | Outside:
         """Return the best plan found; never judges it."""
+
+    def answer(self, mpcc: Mpcc, case: Task, ledger: Ledger) -> Solved:
+        """Return the best solution of an MPCC that is no flight; only strategies override it that need no more."""
+        able = "continuation, relax, or another one that needs nothing but an MPCC"
+        problem = f"'{case.names['strategy']}' plans flights, but '{case.names['scenario']}' is none"
+        raise IncompatibleCase("strategy", problem, able)
 
 
 def pose(problem: Problem, case: Case, ledger: Ledger, stage: str, near: Result | None = None) -> Result:

@@ -70,9 +70,10 @@ def show_line(number: int, record: Mapping[str, Any], combination: str) -> None:
     """Print one run of a sweep on one line, cut to the width of a terminal."""
     console = Console(highlight=False)
     verdict = "certified" if record["certified"] else f"NOT: {record['status']}"
-    time = _number(record["travel_time_s"], ".4f", "s")
+    flies = _flies(record) or record["objective"] is None
+    found = _number(record["travel_time_s"], ".4f", "s") if flies else f"f = {record['objective']:.6g}"
     line = Text(f"{number:>4}  ") + Text(f"{verdict:<15}", "green" if record["certified"] else "red")
-    line += Text(f"  {time:>9}  {combination}")
+    line += Text(f"  {found:>9}  {combination}")
     if console.is_terminal:
         line.truncate(console.width, overflow="ellipsis")
     console.print(line, soft_wrap=True)
@@ -98,9 +99,37 @@ def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         for k in ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
         if r[k] is not None
     )
-    lines: list[tuple[str, Text | str]] = [
+    times = (r["build_cpu_s"], r["solve_cpu_s"], r["certificate_cpu_s"])
+    build, solve, check = (_number(value, ".2f", "s") for value in times)
+    return [
         (str(r["scenario"]), f"{choices}\n{_size(r)}"),
         ("verdict", _verdict(r)),
+        *(_flight(r) if _flies(r) else _solution(r)),
+        ("effort", f"{r['iterations']} iterations; CPU build {build}, solve {solve}, check {check}"),
+    ]
+
+
+def _flies(r: Mapping[str, Any]) -> bool:
+    """A flight has a time grid; a ready-made MPCC has none."""
+    return r["intervals"] is not None
+
+
+def _solution(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
+    """What there is to say of the solution of an MPCC that is no flight."""
+    residuals = (f"{_number(r['max_violation'], '.1e', '')}violated, "
+                 f"largest product of a pair {_number(r['max_product'], '.1e', '')}")  # fmt: skip
+    lines: list[tuple[str, Text | str]] = [
+        ("objective", _number(r["objective"], ".8g", "")),
+        ("residuals", residuals),
+    ]
+    if r["stationarity"] is not None:
+        text = f"{r['stationarity']}, B-stationary: {r['b_stationary']}"
+        lines.append(("stationary", f"{text} (KKT residual {_number(r['kkt_residual'], '.1e', '')})"))
+    return lines
+
+
+def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
+    lines: list[tuple[str, Text | str]] = [
         ("travel time", f"{_number(r['travel_time_s'], '.4f', 's')}   "
                         f"(lower bound {_number(r['lower_bound_s'], '.3f', 's')})"),
     ]  # fmt: skip
@@ -112,16 +141,15 @@ def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         worst = _scaled(r["gate_worst_miss_m"], 1e3, "mm beyond a gate's edge at worst") or "-"
         lines.append(("gates", f"{r['gates_passed']} of {r['gates']} in order, {worst}"))
     defect, drift = (_scaled(r[f"replay_{k}_position_m"], 1e3, "mm") or "-" for k in ("defect", "drift"))
-    times = (r["build_cpu_s"], r["solve_cpu_s"], r["certificate_cpu_s"])
-    build, solve, check = (_number(value, ".2f", "s") for value in times)
     return [
         *lines,
         ("replay", f"{defect} off after one interval, {drift} at worst flown open loop{_far(r)}"),
-        ("effort", f"{r['iterations']} iterations; CPU build {build}, solve {solve}, check {check}"),
     ]
 
 
 def _size(r: Mapping[str, Any]) -> str:
+    if not _flies(r):
+        return f"{r['n_variables']} unknowns, {r['n_constraints']} constraints, {r['n_pairs']} pairs"
     asked = "" if r["kappa_init"] is None else f", kappa_init = {r['kappa_init']}"
     return f"N = {r['intervals']}{asked}"
 

@@ -10,7 +10,7 @@ import casadi as ca
 import numpy as np
 
 from benchbench import registry
-from benchbench.case import Case
+from benchbench.case import Case, Task
 from benchbench.certificate.bound import AXES, arm_reach, lower_bound
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.motion import sample
@@ -22,8 +22,15 @@ from benchbench.solver import Setup
 from benchbench.stop import Stop
 
 
-def validate(case: Case) -> None:
+def validate(case: Task) -> None:
     """Raise BadInput for the first thing that cannot be."""
+    if isinstance(case, Case):
+        _flight(case)
+    _schedule(case)
+    _solver(case)
+
+
+def _flight(case: Case) -> None:
     _numbers(case)
     _vehicle(case)
     if isinstance(case.scenario, Race):
@@ -34,7 +41,6 @@ def validate(case: Case) -> None:
         _course(case.scenario, case)
     else:
         _reachable(case)
-    _solver(case)
 
 
 def _numbers(case: Case) -> None:
@@ -55,6 +61,9 @@ def _numbers(case: Case) -> None:
         if seconds is not None and not 0 < seconds < last:
             problem, allowed = f"{seconds} s is no part of the flight", f"null, or above 0 and below {last} s"
             raise BadInput("scenario.contact_seconds", problem, allowed)
+
+
+def _schedule(case: Task) -> None:
     schedule = np.asarray(case.relaxation.schedule)
     if not schedule.size or not np.all(np.isfinite(schedule)) or np.any(schedule < 0):
         problem = f"{list(case.relaxation.schedule)} was given"
@@ -172,7 +181,7 @@ def _course(race: Race, case: Case) -> None:
         raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
 
 
-def _solver(case: Case) -> None:
+def _solver(case: Task) -> None:
     """Let the solver prepare a problem with one unknown: settings that it refuses show here."""
     said = io.StringIO()
     setup = Setup(case.time_limit, case.iteration_limit, case.accuracy, "never")

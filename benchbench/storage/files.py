@@ -10,9 +10,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from benchbench.errors import BadInput
 
-RECORD, PLAN = "record.json", "plan.mcap"
+RECORD, PLAN, SOLUTION = "record.json", "plan.mcap", "solution.json"
 TEMPORARY_SUFFIX = ".tmp"
 
 
@@ -51,6 +54,13 @@ def write_record(folder: Path, record: Mapping[str, Any]) -> Path:
     text = json.dumps(record, indent=2, allow_nan=False, ensure_ascii=False)
     path = folder / RECORD
     write_bytes(path, (text + "\n").encode())
+    return path
+
+
+def write_solution(folder: Path, values: Mapping[str, NDArray[np.float64]]) -> Path:
+    """Write the unknowns of an MPCC by name as `solution.json`, each a list of its rows, and return its path."""
+    path = folder / SOLUTION
+    write_bytes(path, (json.dumps({name: rows.tolist() for name, rows in values.items()}) + "\n").encode())
     return path
 
 

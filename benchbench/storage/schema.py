@@ -55,7 +55,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("advice", "str", "", "what to change so that a rejected plan may be certified; empty if certified"),
     # what was found
     Column("travel_time_s", "float", "s", "travel time t_N of the plan"),
-    Column("objective", "float", "", "value of the cost t_N + c_u sum h |u - u_ref|^2"),
+    Column("objective", "float", "", "value of the cost: t_N + c_u sum h |u - u_ref|^2; of a ready-made MPCC its own cost"),
     Column("lower_bound_s", "float", "s", "proved lower bound of the travel time"),
     Column("search", "str", "", "what a strategy that tries candidates tried and proved; empty for others"),
     # what it cost

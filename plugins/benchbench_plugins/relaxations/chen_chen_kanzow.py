@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -27,6 +27,7 @@ class ChenChenKanzow(Relaxation):
     schedule: Schedule = (3e-2, 3e-4)
     kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
     weight: float = Field(default=0.5, gt=0, le=1)
+    power: ClassVar[float] = 2.0
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

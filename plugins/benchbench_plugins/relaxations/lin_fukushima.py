@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -22,6 +22,7 @@ class LinFukushima(Relaxation):
     """
 
     schedule: Schedule = (1e-2, 1e-3, 1e-6)
+    power: ClassVar[float] = 2.0
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -25,6 +25,7 @@ class NaturalResidual(Relaxation):
 
     schedule: Schedule = (1e-1, 5e-4)
     kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    power: ClassVar[float] = 2.0
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 from pydantic.dataclasses import dataclass
@@ -20,6 +20,7 @@ class NoRelaxation(Relaxation):
     """
 
     schedule = (0.0,)
+    power: ClassVar[float] = 0.0
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

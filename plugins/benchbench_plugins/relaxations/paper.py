@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -29,6 +29,7 @@ class Paper(Relaxation):
     accuracy: float = 5e-2  # its limits stay as they are
     smoothing: float = 1e-3
     limit_product: float = 1e-2
+    power: ClassVar[float] = 0.0
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

@@ -1,0 +1,76 @@
+"""A problem of NOSBENCH, or of anyone who writes the same JSON."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, final
+
+import casadi as ca
+import numpy as np
+from pydantic.dataclasses import dataclass
+
+from benchbench.errors import BadInput
+from benchbench.mpcc import Mpcc
+from benchbench.plan import Array
+from benchbench.ready import ReadyMade, whole
+
+FUNCTIONS = {"f": "augmented_objective_fun", "g": "g_fun", "G": "G_fun", "H": "H_fun"}
+NUMBERS = ("w0", "lbw", "ubw", "lbg", "ubg", "p0")
+
+
+@final
+@dataclass(frozen=True)
+class MpccFile(ReadyMade):
+    """A discretised nonsmooth optimal-control problem (Nurkanovic, Pozharskiy & Diehl 2024, doi:10.1007/s10013-024-00704-z).
+
+    path: a .json or .json.gz with serialised CasADi functions of (w, p) and lists of numbers, where a scalar may
+    stand for a list of one; its name without suffixes is the name of the problem.
+    """
+
+    path: Path
+
+    @property
+    def name(self) -> str:
+        """Name of the file without suffixes."""
+        return self.path.name.removesuffix(".gz").removesuffix(".json")
+
+    def mpcc(self) -> Mpcc:
+        """Read the file; raises BadInput("scenario.path", ...) for one that is none of these."""
+        told = self._read()
+        if missing := [key for key in (*FUNCTIONS.values(), *NUMBERS) if key not in told]:
+            raise self._wrong(f"has no '{missing[0]}'")
+        try:
+            w0, lbw, ubw, lbg, ubg, p0 = (_numbers(told[key]) for key in NUMBERS)
+            functions = {name: ca.Function.deserialize(told[key]) for name, key in FUNCTIONS.items()}
+            return whole(functions, p0, w0, (lbw, ubw), (lbg, ubg))
+        except (
+            ValueError,
+            TypeError,
+            RuntimeError,
+            NotImplementedError,
+        ) as error:  # CasADi's are the last two
+            raise self._wrong(f"is no MPCC: {str(error).strip().splitlines()[-1]}") from None
+
+    def _read(self) -> Mapping[str, Any]:
+        try:
+            data = self.path.read_bytes()
+            told = json.loads(gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data)
+        except OSError as error:
+            raise self._wrong(f"cannot be read: {error.strerror or error}") from None
+        except (ValueError, EOFError) as error:
+            raise self._wrong(f"is no JSON: {error}") from None
+        if not isinstance(told, dict):
+            raise self._wrong("is no JSON object")
+        return told
+
+    def _wrong(self, problem: str) -> BadInput:
+        return BadInput(
+            "scenario.path", f"'{self.path}' {problem}", "a JSON file as in NOSBENCH, also gzipped"
+        )
+
+
+def _numbers(value: Any) -> Array:
+    return np.atleast_1d(np.asarray(value, float)).ravel()

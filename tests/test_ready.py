@@ -1,0 +1,240 @@
+"""MPCCs that come ready-made: files as in NOSBENCH, the problems of pympcc, folders as sweeps."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from benchbench import commands
+from benchbench.assemble import assemble
+from benchbench.config import compose, compose_any
+from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.mpcc import Mpcc, evaluate
+from benchbench.pipeline import Run, run, write
+from benchbench.storage.table import read
+from benchbench.summary import show
+from benchbench_plugins.collections.nosbench import FUNCTIONS, MpccFile
+from benchbench_plugins.collections.pympcc_set import PympccSet
+
+NOSBENCH = Path(os.environ.get("NOSBENCH", Path(__file__).parents[2] / "shared" / "nosbench"))
+QUICK = ("2BCLS_001_001_002_3_GL_CLS_7_ELC_0", "986OM_001_001_002_2_RIIA_STEP_7_FIL_0",
+         "SMOCP_001_006_003_3_RIIA_STEP_7_FIL_0", "SMCRS_001_001_032_2_GL_STEWART_3_FIL_0")  # fmt: skip
+
+
+@pytest.fixture
+def told() -> dict[str, Any]:
+    """Minimise (a - p)^2 + (b - 1)^2 + c with c >= 0.5, a + b + c <= 9, 0 <= a, b complementary; p = 3: (3, 0, 0.5)."""
+    w, p = ca.SX.sym("w", 3), ca.SX.sym("p")
+    out = {
+        "augmented_objective_fun": (w[0] - p) ** 2 + (w[1] - 1) ** 2 + w[2],
+        "g_fun": ca.sum1(w), "G_fun": w[0], "H_fun": w[1],
+    }  # fmt: skip
+    functions = {key: ca.Function(key, [w, p], [value]).serialize() for key, value in out.items()}
+    numbers = {
+        "w0": [0.4, 0.2, -7],
+        "lbw": [-9, -9, 0.5],
+        "ubw": [9, 9, 9],
+        "lbg": -np.inf,
+        "ubg": 9,
+        "p0": 3,
+    }
+    return {**functions, **numbers}
+
+
+def stored(told: dict[str, Any], path: Path) -> Path:
+    text = json.dumps(told).encode()
+    path.write_bytes(gzip.compress(text) if path.suffix == ".gz" else text)
+    return path
+
+
+def solved(path: Path, *overrides: str) -> Run:
+    return run(compose_any("+scenario=mpcc_file", f"scenario.path='{path}'", *overrides))
+
+
+def test_a_file_becomes_what_it_says(told: dict[str, Any], tmp_path: Path) -> None:
+    mpcc = MpccFile(stored(told, tmp_path / "small.json")).mpcc()
+    x = np.array([1.0, 2.0, 4.0])
+    named = {block.name: block for block in (*mpcc.constraints, *mpcc.costs, mpcc.pairs[0].block)}
+    assert evaluate(named["g"], mpcc, x).item() == 7.0
+    assert evaluate(named["f"], mpcc, x).item() == 4.0 + 1.0 + 4.0
+    np.testing.assert_array_equal(evaluate(named["GH"], mpcc, x), [[1.0, 2.0]])
+    np.testing.assert_array_equal(mpcc.guess, [0.4, 0.2, 0.5])  # clipped into its bounds
+    assert (named["g"].lower.item(), named["g"].upper.item()) == (-np.inf, 9.0)
+
+
+@pytest.mark.parametrize("name", ["small.json", "small.json.gz", "a,b 'c'=1.json"])
+def test_the_known_solution_is_found_and_recorded(name: str, told: dict[str, Any], tmp_path: Path) -> None:
+    path = stored(told, tmp_path / name)
+    case = compose_any(
+        "+scenario=mpcc_file", "scenario.path=" + commands.run("collection", [str(tmp_path)])[2][14:]
+    )  # type: ignore[index]
+    done = run(case)
+    record = done.record
+    assert record["certified"] and record["status"] == "certified" and done.certificate.flight is None
+    assert record["scenario"] == path.name.removesuffix(".gz").removesuffix(".json")
+    assert record["objective"] == pytest.approx(1.5, abs=1e-6)
+    assert (record["stationarity"], record["b_stationary"]) == ("S", "yes")
+    assert (record["n_variables"], record["n_constraints"], record["n_pairs"]) == (3, 1, 1)
+    for absent in (
+        "vehicle",
+        "dynamics",
+        "guess",
+        "intervals",
+        "kappa_init",
+        "travel_time_s",
+        "lower_bound_s",
+    ):
+        assert record[absent] is None
+
+
+def test_its_files_and_its_summary(
+    told: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = solved(stored(told, tmp_path / "small.json"))
+    done.record["run_id"] = "one"
+    paths = write(done, tmp_path / "run", tmp_path / "results", "x: 1")
+    found = json.loads(paths["solution"].read_text())
+    np.testing.assert_allclose(np.ravel(found["w"]), [3, 0, 0.5], atol=1e-4)
+    assert read(tmp_path / "results").scenario.tolist() == ["small"]
+    show(done.record, paths)
+    said = capsys.readouterr().out
+    assert "objective    1.5" in said and "3 unknowns, 1 constraints, 1 pairs" in said
+    assert "travel time" not in said and "None" not in said
+
+
+def test_a_strict_certificate_rejects_what_the_relaxation_leaves(
+    told: dict[str, Any], tmp_path: Path
+) -> None:
+    """Judged are sigma and feasibility as they are: 1e-3 is not complementary."""
+    done = solved(stored(told, tmp_path / "small.json"), "strategy.last=1e-3")
+    assert not done.certificate.certified
+    assert "product of a complementarity pair" in done.certificate.reasons[0]
+
+
+def test_a_penalty_is_not_part_of_the_objective(told: dict[str, Any], tmp_path: Path) -> None:
+    done = solved(stored(told, tmp_path / "small.json"), "relaxation=l1_penalty", "strategy=relax")
+    x = done.result.solved.x  # type: ignore[union-attr]
+    assert done.record["objective"] == pytest.approx((x[0] - 3) ** 2 + (x[1] - 1) ** 2 + x[2], rel=1e-12)
+
+
+SPOILED = [
+    ("g_fun", None, "has no 'g_fun'"),
+    ("lbg", [0.0, 0.0], "is no MPCC"),
+    ("ubw", [9, 9, 0.0], "is no MPCC: variable w: a lower bound exceeds"),
+    ("G_fun", "nonsense", "is no MPCC"),
+    ("p0", ["three"], "is no MPCC"),
+]
+
+
+@pytest.mark.parametrize(("key", "value", "text"), SPOILED)
+def test_a_file_that_is_no_problem(
+    key: str, value: Any, text: str, told: dict[str, Any], tmp_path: Path
+) -> None:
+    told[key] = value
+    if value is None:
+        del told[key]
+    with pytest.raises(BadInput, match=text) as caught:
+        MpccFile(stored(told, tmp_path / "bad.json")).mpcc()
+    assert caught.value.field == "scenario.path"
+
+
+@pytest.mark.parametrize(
+    ("overrides", "field"),
+    [
+        (("scenario.path=nowhere.json",), "scenario.path"),
+        (("scenario.path=x.json", "vehicle=table1"), "vehicle"),
+        (("scenario.path=x.json", "+scenario.pathh=1"), "scenario"),
+    ],
+)
+def test_bad_input_names_the_field(overrides: tuple[str, ...], field: str) -> None:
+    with pytest.raises(BadInput) as caught:
+        run(compose_any("+scenario=mpcc_file", *overrides))
+    assert caught.value.field.startswith(field)
+
+
+def test_choices_that_do_not_go_together() -> None:
+    with pytest.raises(IncompatibleCase, match="plans flights"):
+        run(compose_any("+scenario=pympcc", "scenario.problem=kth1", "strategy=phases"))
+    with pytest.raises(BadInput, match="no flight"):
+        compose("+scenario=pympcc", "scenario.problem=kth1")
+    with pytest.raises(BadInput, match="certificate"):
+        compose("+scenario=static", "certificate=mpcc")
+
+
+def test_all_of_pympcc_reach_their_known_optima() -> None:
+    from pympcc.benchmarks import ALL_PROBLEMS
+
+    case = compose_any("+scenario=pympcc", "scenario.problem=kth1")
+    for spec in ALL_PROBLEMS:
+        record = run(replace(case, scenario=PympccSet(spec.name))).record  # type: ignore[type-var]
+        assert record["certified"], spec.name
+        assert record["objective"] == pytest.approx(spec.f_opt, abs=max(spec.f_atol, 1e-4)), spec.name
+        assert record["b_stationary"] == "yes", spec.name
+
+
+def test_a_folder_is_a_sweep_of_its_files(told: dict[str, Any], tmp_path: Path) -> None:
+    for name in ("b.json.gz", "a.json", "notes.txt"):
+        stored(told, tmp_path / name)
+    arguments = commands.run("collection", [str(tmp_path), "relaxation=scholtes,direct"])
+    assert arguments == [
+        "-m", "+scenario=mpcc_file", f"scenario.path='{tmp_path / 'a.json'}','{tmp_path / 'b.json.gz'}'",
+        "relaxation=scholtes,direct",
+    ]  # fmt: skip
+    with pytest.raises(BadInput, match="no problem file"):
+        commands.run("collection", [str(tmp_path / "nowhere")])
+
+
+# --- problems nobody here wrote; the data has no licence and is not part of the repository -----------------------
+
+
+@pytest.fixture
+def nosbench() -> Path:
+    if not NOSBENCH.is_dir():
+        pytest.skip(
+            f"no NOSBENCH problems in {NOSBENCH} (set NOSBENCH); they have no licence and are not shipped"
+        )
+    return NOSBENCH
+
+
+def judged(path: Path, x: np.ndarray, best: float) -> bool:
+    """The benchmark's own judge, from the file alone."""
+    told = json.loads(gzip.decompress(path.read_bytes()))
+    p = np.ravel(told["p0"])
+    f, g, G, H = (np.asarray(ca.Function.deserialize(told[k])(x, p)).ravel() for k in FUNCTIONS.values())
+    low, high, below, above = (np.asarray(np.ravel(told[k]), float) for k in ("lbw", "ubw", "lbg", "ubg"))
+    broken = max(np.max(v, initial=0.0) for v in (low - x, x - high, below - g, g - above, -G, -H))
+    return bool(broken < 1e-6 and np.max(G * H) < 1e-7 and f[0] <= max(2 * best, best + 1e-6))
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_nosbench_is_solved_as_its_judge_says(name: str, nosbench: Path) -> None:
+    best = {
+        entry["name"]: entry["best_known_objective"]
+        for entry in json.loads((nosbench / "manifest.json").read_text())
+    }
+    path = nosbench / f"{name}.json.gz"
+    done = solved(path, "time_limit=60")
+    assert done.certificate.certified
+    assert judged(path, done.result.solved.x, best[name])  # type: ignore[union-attr]
+
+
+def test_derivatives_of_a_whole_problem_are_casadis_own(nosbench: Path) -> None:
+    path = nosbench / f"{QUICK[0]}.json.gz"
+    mpcc = MpccFile(path).mpcc()
+    told = json.loads(gzip.decompress(path.read_bytes()))
+    program = assemble(Mpcc(mpcc.variables, mpcc.constraints, mpcc.costs), "never")
+    w, p = ca.SX.sym("w", mpcc.size), ca.DM(told["p0"])
+    x = np.random.default_rng(0).uniform(0.1, 1.0, mpcc.size)
+    g, f = (ca.Function.deserialize(told[k])(w, p) for k in ("g_fun", "augmented_objective_fun"))
+    expected = ca.Function("d", [w], [ca.jacobian(g, w), ca.gradient(f, w)])(x)
+    np.testing.assert_allclose(ca.densify(program.jacobian(x, 0.0)[1]), ca.densify(expected[0]), atol=1e-12)
+    np.testing.assert_allclose(np.ravel(program.gradient(x, 0.0)[1]), np.ravel(expected[1]), atol=1e-12)
+    assert program.jacobian.sparsity_out(1).nnz() < 0.1 * mpcc.size * g.numel()
