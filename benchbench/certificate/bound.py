@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from benchbench.certificate.race_bound import race_bound
 from benchbench.model import Model, Plant
 from benchbench.motion import sample
 from benchbench.plan import Array
@@ -55,22 +56,6 @@ def sequence_bound(scenario: Scenario, made: Sequence[Stop], model: Model, plant
         near = close
     rest = np.max(np.maximum(np.abs(target - end) - close, 0.0) / speed, axis=1)
     return max(direct, float(np.min(np.where(at, time + rest, np.inf))))
-
-
-def race_bound(race: Race, model: Model, plant: Plant) -> float:
-    """Return a time in s that no race can beat, from thrust alone: L <= a t^2 / 2 from rest, where nothing limits speed.
-
-    L is the length of the straight lines between the gates' balls, a = |thrust| + gravity the largest acceleration; no
-    drag pushes. Attitude and body rates play no part.
-    """
-    points = [race.start_position, *(goal.position for goal in race.goals)]
-    radii = [0.0, *(goal.radius for goal in race.goals)]
-    apart = np.linalg.norm(np.diff(points, axis=0), axis=1) - radii[:-1] - np.array(radii[1:])
-    still = np.zeros(len(model.velocity.names))
-    gravity = plant.acceleration(model.origin(), still, 0 * model.hover())[:3]
-    thrust = np.max(model.specific_thrust(race.flown(model, race.intervals + 1)))
-    most = float(thrust + np.linalg.norm(gravity))
-    return float(np.sqrt(2 * np.sum(np.maximum(apart, 0.0)) / most))
 
 
 def arm_reach(model: Model, plant: Plant, samples: int = 181) -> float:

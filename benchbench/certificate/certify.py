@@ -70,6 +70,7 @@ def _certify_race(
     found: list[Check],
 ) -> Certificate:  # fmt: skip
     """Go on with what races ask; the replay starts again at every gate."""
+    scenario = race.as_passed(plan, scenario, limits.gate_position)
     restarts = race.gate_nodes(plan, scenario, limits)
     flight = replay(plan, model.plant(), restart_seconds=limits.restart_seconds, restart_nodes=restarts)
     found += race.planned(plan, scenario, model, limits)

@@ -22,6 +22,15 @@ UNIT_LENGTH = 1e-6
 """Largest error of the length of a planned quaternion."""
 
 
+def as_passed(plan: Plan, race: Race, allowance: float) -> Race:
+    """Return the race to judge: where the order is free, that with the order in which the plan passes the gates."""
+    if race.order == "fixed":
+        return race
+    place = plan.configuration[:, :3]
+    times = [passes(plan.time, place, (gate,), allowance)[0].time for gate in race.listed]
+    return race.flown_in([int(i) + 1 for i in np.argsort(times, kind="stable")])
+
+
 def gate_nodes(plan: Plan, race: Race, limits: Limits) -> tuple[int, ...]:
     """Nodes nearest to the gates' planned passes, the end left out: where the replay starts again."""
     found = passes(plan.time, plan.configuration[:, :3], race.goals, limits.gate_position)

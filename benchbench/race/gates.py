@@ -79,7 +79,10 @@ def _kinds(race: Race, place: Place, goals: Sequence[Gate]) -> dict[Condition, t
 
 
 def by_progress(race: Race, place: Place, intervals: int) -> Mpcc:
-    """Let progress variables kappa (N + 1, gates) say where the gates are passed; the end is not among them."""
+    """Let progress variables kappa (N + 1, gates) say where the gates are passed; the end is not among them.
+
+    Where the order of the race is free nothing ties the gates together.
+    """
     gates = len(race.goals) - 1
     low, high = (np.full((intervals + 1, gates), bound) for bound in (0.0, 1.0))
     low[0], high[-1] = 1.0, 0.0
@@ -89,7 +92,8 @@ def by_progress(race: Race, place: Place, intervals: int) -> Mpcc:
         for condition, (which, numbers) in _kinds(race, place, race.goals[:-1]).items()
         for same in _alike(condition, numbers)
     )
-    return Mpcc((kappa,), (_progress(intervals, gates), _order(intervals, gates)), (), pairs)
+    order = () if race.order == "free" else (_order(intervals, gates),)
+    return Mpcc((kappa,), (_progress(intervals, gates), *order), (), pairs)
 
 
 def passed_at(intervals: int, nodes: Sequence[int]) -> Array:

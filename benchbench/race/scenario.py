@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -23,7 +23,6 @@ AXES = ("x", "y", "z")
 NOT_HERE = (
     "target",
     "stops",
-    "order",
     "visit",
     "contacts",
     "kappa_init",
@@ -33,6 +32,8 @@ NOT_HERE = (
     "intervals",
 )
 """Fields of a handover that mean nothing in a race."""
+MOST_FREE = 8
+"""Gates whose order may be free: 40320 orders."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,9 @@ class Finish(Motion):
 class Race(Scenario):
     """Fly from `start` through all gates, in order, to `end` in least time.
 
+    order           fixed: in the order of the track; free: in any order, which is part of what is to be found
+    sequence        numbers of the gates, from 1 as the track lists them, in the order they are passed (where that is
+                    free: in which a guess passes them); none: as listed
     track           gates of one lap: a list, or the path of a YAML or CSV file (see `benchbench.race.track.read`)
     gates           number of gates before the end, the lap repeated as often as needed; null: one lap
     radius          of a gate that names none, m
@@ -65,6 +69,7 @@ class Race(Scenario):
     """
 
     track: str | Path | tuple[Any, ...]
+    sequence: tuple[int, ...] = ()
     gates: Annotated[int, Field(ge=1)] | None = None
     radius: Positive = 0.3
     end_radius: Positive | None = None
@@ -91,6 +96,7 @@ class Race(Scenario):
             raise BadInput(
                 "scenario.end_velocity", f"'{self.end_velocity}' was given", "free, rest, [vx, vy, vz] in m/s"
             )
+        self._check_order()
         object.__setattr__(self, "target", Finish(self.goals[-1].position))
         object.__setattr__(self, "intervals", self.nodes_per_gate * len(self.goals))
         here = np.array(self.start_position)
@@ -104,6 +110,26 @@ class Race(Scenario):
             here = there
         return self
 
+    def _check_order(self) -> None:
+        """Raise BadInput where order and sequence mean nothing on this track."""
+        count = len(self.listed)
+        if self.sequence and sorted(self.sequence) != list(range(1, count + 1)):
+            problem = f"{list(self.sequence)} was given"
+            raise BadInput("scenario.sequence", problem, f"each of the numbers 1 to {count} once, or []")
+        if self.order == "fixed":
+            return
+        if count > MOST_FREE:
+            problem = f"there are {count} gates, too many to try all orders"
+            raise BadInput("scenario.order", problem, f"fixed, or at most {MOST_FREE} gates")
+        places = {self.start_position, *(goal.position for goal in self.goals)}
+        if len(places) < count + 2:
+            raise BadInput("scenario.order", "two of start, gates and end are at one place", "fixed")
+
+    def flown_in(self, sequence: Sequence[int]) -> Race:
+        """Return the same race with its gates in a fixed order, numbered as the track lists them."""
+        said = {name: getattr(self, name) for name in self.model_fields_set - set(NOT_HERE)}
+        return Race(**{**said, "order": "fixed", "sequence": tuple(sequence)})
+
     @cached_property
     def course(self) -> Track:
         """The track as it was given."""
@@ -112,10 +138,15 @@ class Race(Scenario):
     @cached_property
     def goals(self) -> tuple[Gate, ...]:
         """All gates in order and the end, each a ball."""
-        lap = self.course.lap
-        count = self.gates or self.course.gates or len(lap)
+        gates = self.listed
         end = Gate(self._position(self.course.end, self.end), self.end_radius or self.radius)
-        return (*(lap[i % len(lap)] for i in range(count)), end)
+        return (*(gates[i - 1] for i in self.sequence or range(1, len(gates) + 1)), end)
+
+    @cached_property
+    def listed(self) -> tuple[Gate, ...]:
+        """All gates as the track lists them, laps repeated, without the end."""
+        lap = self.course.lap
+        return tuple(lap[i % len(lap)] for i in range(self.gates or self.course.gates or len(lap)))
 
     @property
     def start_position(self) -> tuple[float, float, float]:

@@ -13,6 +13,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from benchbench.certificate.gates import passes
+from benchbench.certificate.race import as_passed
 from benchbench.certificate.replay import Replay
 from benchbench.model import Model
 from benchbench.plan import Array, Plan, bezier
@@ -50,6 +51,7 @@ def race_figure(
 ) -> Figure:
     """Lay the page out."""
     flown = plan if replay is None else replay
+    race = as_passed(plan, race, NEAR)
     found = passes(flown.time, flown.configuration[:, :3], race.goals, NEAR)
     marks = np.array([one.time for one in found if one.inside])
     rates = np.hstack([flown.velocity, model.plant().output(flown.configuration, flown.velocity)])

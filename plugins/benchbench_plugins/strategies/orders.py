@@ -1,0 +1,62 @@
+"""In which order to pass the gates of a race: branch and bound over orders, each flown as phases."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import final
+
+from pydantic.dataclasses import dataclass
+
+from benchbench import posing
+from benchbench.case import Case, Ledger
+from benchbench.certificate.race_bound import order_bound
+from benchbench.errors import BadInput
+from benchbench.race.scenario import Race
+from benchbench.search import Candidate, Found, best_first
+from benchbench.strategy import Result, Strategy, pose
+
+Order = tuple[int, ...]
+
+
+@final
+@dataclass(frozen=True)
+class Orders(Strategy):
+    """Branch and bound over the orders of the gates, from the smallest lower bound on (scenario.order=free).
+
+    An order begun is bounded by largest thrust alone (`benchbench.certificate.race_bound`), which is a proof; a whole one
+    is one smooth solve, which is local. So the account proves that no other order has a better plan than the bounds or
+    the local solutions say, and counts the orders that were split, solved, pruned, failed, or left for want of time.
+    """
+
+    def solve(self, case: Case, ledger: Ledger) -> Result:
+        """Bound, branch, solve."""
+        race, model = case.scenario, case.model
+        if not isinstance(race, Race) or race.order != "free":
+            raise BadInput(
+                "strategy", "'orders' needs the gates of a race in free order", "scenario.order=free"
+            )
+        numbers, plant = range(1, len(race.listed) + 1), model.plant()
+
+        def begun(order: Order) -> Candidate[Order]:
+            return Candidate(order, order_bound(race, model, plant, order))
+
+        def split(order: Order) -> Sequence[Candidate[Order]]:
+            return [begun((*order, i)) for i in numbers if i not in order]
+
+        best, account = best_first(
+            [begun(())],
+            lambda order: self._fly(case, ledger, order),
+            lambda: ledger.seconds_left > 0.1,
+            split,
+        )
+        return replace(best.result, account={"search": account.told("orders, whole or begun")})
+
+    def _fly(self, case: Case, ledger: Ledger, order: Order) -> Found[Result]:
+        ordered = replace(case, scenario=case.scenario.flown_in(order))  # type: ignore[attr-defined]
+        start = posing.start(ordered, ledger)
+        with ledger.building():
+            problem = posing.phases(ordered, start)
+        result = pose(problem, ordered, ledger, f"phases: {', '.join(map(str, order))}")
+        outcome = result.solved.outcome
+        return Found(result, outcome.objective if outcome.claim == "solved" else float("inf"))
