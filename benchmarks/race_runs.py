@@ -17,7 +17,7 @@ METHODS: dict[str, tuple[str, ...]] = {
     "phases": ("strategy=phases",),
     "RK4-CPC": ("strategy=relax", "guess=line"),
     "RK4-CPC warm": ("strategy=warm",),
-    "lie_verlet-DMCC": ("dynamics=lie_verlet", "strategy=relax", "guess=line"),
+    "lie_verlet-DMCC": ("dynamics=lie_verlet", "dynamics.forces=simpson", "strategy=relax", "guess=line"),
     "Verlet-DMCC": ("dynamics=verlet", "vehicle=race_quadrotor_euler", "strategy=relax", "guess=line"),
 }
 """Cold means the public planner's start: straight lines, progress that switches where they pass the gates."""
