@@ -22,6 +22,10 @@ SHORTEST = 1e-4
 WHOLE = 0.5
 """A guess whose progress index is nowhere above this share of a step says that, but not when, there is contact."""
 
+TO_CONTACT = 13 / 12
+"""Intervals of a leg that ends in a contact over those of the last leg: 52 to 48 for one contact. What is flown before a
+contact must be flown more accurately than what comes after it."""
+
 Windows = Mapping[str, tuple[int, ...]]
 """Nodes in contact by the name of the stop."""
 
@@ -85,28 +89,26 @@ def phases(case: Case, start: Plan) -> Problem:
     node between the phases.
     """
     made = claimed_stops(case.scenario.itinerary, start)
-    grid, contact, averaged = phase_grid(case, start.travel_time, made)
+    grid, contact, averaged = phase_grid(case, start, made)
     base, trajectory = case.dynamics.transcribe(case.scenario, case.model, grid)
     problem = _at_windows(case, base.start_from(trajectory.encode(start)), trajectory, contact)
     steps = (_average_steps(grid, phase, stop) for phase, stop in averaged)
     return replace(problem, mpcc=sum(steps, problem.mpcc))
 
 
-def phase_grid(
-    case: Case, travel_time: float, made: Sequence[Stop]
-) -> tuple[Grid, Windows, list[tuple[int, Stop]]]:
-    """Time axis of the phases, guessed from a travel time in s and the scenario's contact guess.
+def phase_grid(case: Case, start: Plan, made: Sequence[Stop]) -> tuple[Grid, Windows, list[tuple[int, Stop]]]:
+    """Time axis of the phases, as long as in a plan that makes these stops, else spread over its travel time.
 
     Also returns the nodes of each contact, and which phases are contacts whose duration is a number of steps.
     """
-    scenario, found = case.scenario, list[Phase]()
+    scenario, found, travel_time = case.scenario, list[Phase](), start.travel_time
     contact: dict[str, tuple[int, ...]] = {}
     averaged: list[tuple[int, Stop]] = []
     longest = scenario.travel_time[1]
-    inside = [s.kappa_init if (s.kappa_init > 1 or s.contact_seconds) else 0 for s in made]
+    inside = [max(s.kappa_init - 1, int(s.contact_seconds is not None)) for s in made]
     flown = scenario.intervals - sum(inside)
-    legs = np.diff([flown * i // (len(made) + 1) for i in range(len(made) + 2)])
-    marks = travel_time * np.array([0.0, *spread(len(made), scenario.contact_guess), 1.0])
+    legs = np.diff(np.rint(flown * np.cumsum([0.0, *_leg_shares(len(made))])).astype(int))
+    marks = np.array([0.0, *_contact_times(case, start, made), travel_time])
     names = ["approach", *(f"transfer_to_{stop.name}" for stop in made[1:]), "leave"]
     for i, stop in enumerate(made):
         found.append(Phase(names[i], int(legs[i]), SHORTEST, longest, marks[i + 1] - marks[i]))
@@ -123,6 +125,22 @@ def phase_grid(
     last = names[len(made)] if made else "flight"
     found.append(Phase(last, int(legs[-1]), SHORTEST, longest, marks[-1] - marks[-2]))
     return Grid(tuple(found)), contact, averaged
+
+
+def _leg_shares(stops: int) -> Array:
+    """Shares of the intervals for each leg, (stops + 1,): a leg that ends in a contact has more than the last one."""
+    weights = np.array([TO_CONTACT] * stops + [1.0])
+    return weights / weights.sum()
+
+
+def _contact_times(case: Case, start: Plan, made: Sequence[Stop]) -> Array:
+    """When a plan makes these stops, (stops,) s: the middle of each contact, where it claims them in this order."""
+    names = [stop.name for stop in made]
+    found = [start.contact(start.stop_names.index(name)) for name in names if name in start.stop_names]
+    times = [float(start.time[list(nodes)].mean()) for nodes in found if nodes is not None]
+    if len(times) == len(made) and np.all(np.diff([0.0, *times, start.travel_time]) > SHORTEST):
+        return np.array(times)
+    return start.travel_time * spread(len(made), case.scenario.contact_guess)
 
 
 def nearest_window(plan: Plan, trajectory: Trajectory, count: int, stop: str = "") -> tuple[int, ...]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
 from benchbench.case import Case, Ledger
+from benchbench.disturb import disturbed
 from benchbench.motion import sample
 from benchbench.plan import Array, Plan
 from benchbench.stop import Stop, spread
@@ -24,6 +27,23 @@ class Guess(ABC):
         """Return a plan on any grid."""
 
 
+@final
+@dataclass(frozen=True)
+class Given(Guess):
+    """A plan that is there already, from another grid or an earlier solve."""
+
+    found: Plan
+
+    def plan(self, case: Case, ledger: Ledger) -> Plan:
+        """Costs nothing."""
+        return self.found
+
+
+def first_plan(case: Case, ledger: Ledger) -> Plan:
+    """Return what every strategy starts from: the guess of the case, disturbed by its seed (0: as it is)."""
+    return disturbed(case.guess.plan(case, ledger), case, case.seed)
+
+
 def straight_line(case: Case, sequence: Sequence[Stop] | None = None) -> Plan:
     """Start, above each target at its guessed contact time, end; at hover, without turning anything but the nose.
 
@@ -35,7 +55,7 @@ def straight_line(case: Case, sequence: Sequence[Stop] | None = None) -> Plan:
     total, n = scenario.travel_time_guess, scenario.intervals
     shares = spread(len(made), scenario.contact_guess)
     start, end = scenario.start_point(model), scenario.end_point(model)
-    corners = np.stack([start, *(_over(case, s, t) for s, t in zip(made, shares * total, strict=True)), end])
+    corners = np.stack([start, *(over(case, s, t) for s, t in zip(made, shares * total, strict=True)), end])
     time = np.linspace(0.0, total, n + 1)
     q = np.stack([np.interp(time, [0.0, *(shares * total), total], column) for column in corners.T], axis=-1)
     progress, first = np.zeros((n + 1, len(itinerary.stops))), 0
@@ -56,16 +76,16 @@ def hovering(case: Case, time: Array, q: Array, progress: Array) -> Plan:
     )  # fmt: skip
 
 
-def _over(case: Case, stop: Stop, time: float) -> Array:
+def over(case: Case, stop: Stop, time: float) -> Array:
     """Configuration (n_q,) with the tool a little above the target at `time`, the nose where it moves to."""
     model = case.model
     start = case.scenario.start_point(model)
     (target,), (way,) = sample(stop.target, np.array([time]))
-    over = start.copy()
+    above = start.copy()
     names = model.configuration.names
     xyz = [names.index(k) for k in ("x", "y", "z")]
     hang = model.plant().tool(start, np.zeros(len(model.velocity.names)))[0] - start[xyz]
-    over[xyz] = target - hang + [0.0, 0.0, ABOVE]
+    above[xyz] = target - hang + [0.0, 0.0, ABOVE]
     if np.hypot(*way[:2]) > 0.0:
-        over = model.headed(over, float(np.arctan2(way[1], way[0])))
-    return over
+        above = model.headed(above, float(np.arctan2(way[1], way[0])))
+    return above

@@ -106,7 +106,7 @@ def _composed(family: str, name: str) -> dict[str, Any]:
     if not GlobalHydra.instance().is_initialized():
         with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
             return _composed(family, name)
-    fields = hydra.compose(f"{family}/{name}")[family]
+    fields = hydra.compose("config", [f"{family}={name}"])[family]
     return {str(k): v for k, v in OmegaConf.to_container(fields, resolve=True).items()}  # type: ignore[union-attr]
 
 

@@ -81,6 +81,23 @@ class Plan:
         """Travel time t_N in seconds."""
         return float(self.time[-1])
 
+    def contact(self, stop: int = 0) -> tuple[int, int] | None:
+        """First and last node of the first run of nodes that claim contact with a stop by more than half a step.
+
+        None where the plan claims none.
+        """
+        claimed = np.flatnonzero(self.claims[:, stop] > 0.5)
+        if not len(claimed):
+            return None
+        gaps = np.flatnonzero(np.diff(claimed) > 1)
+        return int(claimed[0]), int(claimed[gaps[0]] if len(gaps) else claimed[-1])
+
+    @property
+    def contacts(self) -> tuple[tuple[int, int], ...]:
+        """The first claimed contact with each stop, in order of time; stops without one are left out."""
+        found = (self.contact(stop) for stop in range(self.claims.shape[1]))
+        return tuple(sorted(one for one in found if one is not None))
+
     @property
     def input_pieces(self) -> Array:
         """Control points of the input in each interval, shape (N, d, n_u); d = 1 is held, d = 2 linear."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from benchbench import formulation, guess
+from benchbench import formulation, guess, handover
 from benchbench.case import Case, Ledger
 from benchbench.formulation import Problem
 from benchbench.plan import Plan
@@ -29,11 +29,16 @@ def line(case: Case, made: Made = None) -> Plan:
     return guess.straight_line(case, made)
 
 
-def start(case: Case, ledger: Ledger, made: Made = None) -> Plan:
-    """Return what phases start from: a straight line, or for a race the time-optimal flight of a point mass."""
+def point_mass(case: Case, ledger: Ledger) -> Plan:
+    """Return the time-optimal flight of a point mass over the targets, or through the gates: one small solve."""
     if isinstance(case.scenario, Race):
         return point_mass_plan(case.scenario, case, ledger)
-    return line(case, made)
+    return handover.point_mass_plan(case, ledger)
+
+
+def start(case: Case, ledger: Ledger, made: Made = None) -> Plan:
+    """Return the cheapest start from which phases are solved: a straight line, or for a race a point mass."""
+    return point_mass(case, ledger) if isinstance(case.scenario, Race) else line(case, made)
 
 
 def phases(case: Case, plan: Plan) -> Problem:

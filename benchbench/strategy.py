@@ -1,20 +1,23 @@
-"""Interface of a strategy: what is done with several solves to get one plan."""
+"""Interface of a strategy: what is done with several solves to get one plan; and what strategies have in common."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from benchbench import posing
 from benchbench.case import Case, Ledger, Task
+from benchbench.certificate.certificate import Certificate
+from benchbench.certificate.certify import certify
+from benchbench.certificate.residuals import residuals
+from benchbench.disturb import disturbed
 from benchbench.errors import IncompatibleCase
 from benchbench.formulation import Problem
 from benchbench.homotopy import Solved, homotopy
 from benchbench.mpcc import Mpcc
 from benchbench.plan import Plan
-from benchbench.posing import Made
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,20 @@ class Result:
     def mpcc(self) -> Mpcc:
         """The MPCC of the problem."""
         return self.problem.mpcc
+
+    @property
+    def claimed(self) -> bool:
+        """Whether the solver says it succeeded."""
+        return self.solved.outcome.claim == "solved"
+
+    @property
+    def objective(self) -> float:
+        """Value of the cost, infinite where the solver claims no success."""
+        return self.solved.outcome.objective if self.claimed else float("inf")
+
+    def telling(self, **account: Any) -> Result:
+        """The same result with more columns of its account."""
+        return replace(self, account={**self.account, **account})
 
 
 @dataclass(frozen=True)
@@ -56,7 +73,17 @@ class Strategy(ABC):
 
     @abstractmethod
     def solve(self, case: Case, ledger: Ledger) -> Result | Outside:
-        """Return the best plan found; never judges it."""
+        """Return the best plan found; the last word on it is not the strategy's."""
+
+
+def planned(strategy: Strategy, case: Case, ledger: Ledger) -> Result:
+    """Solve by another strategy; raises IncompatibleCase for one that poses no problem of ours."""
+    result = strategy.solve(case, ledger)
+    if isinstance(result, Outside):
+        raise IncompatibleCase(
+            "strategy", f"the plan of {result.planner} poses no problem", "a strategy that solves"
+        )
+    return result
 
     def answer(self, mpcc: Mpcc, case: Task, ledger: Ledger) -> Solved:
         """Return the best solution of an MPCC that is no flight; only strategies override it that need no more."""
@@ -71,16 +98,51 @@ def pose(problem: Problem, case: Case, ledger: Ledger, stage: str, near: Result 
     return Result(problem, solved, problem.decode(solved.values))
 
 
-def from_phases(case: Case, ledger: Ledger, made: Made = None) -> Result:
+def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
     """Solve phases, then one step size with contacts, or gates, held at the nearest nodes; both are smooth.
 
     The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
     window on its way back.
     """
-    start = posing.start(case, ledger, made)
     with ledger.building():
         problem = posing.phases(case, start)
     found = pose(problem, case, ledger, "guess: phases").plan
     with ledger.building():
         problem = posing.held(case, found)
     return pose(problem, case, ledger, "guess: window")
+
+
+def judge(result: Result, case: Case) -> Certificate:
+    """Return the certificate of a result: the same for strategies that look at it as for the record."""
+    found = residuals(result.problem.mpcc, result.solved.x)
+    return certify(result.plan, case.scenario, case.model, case.limits, found)
+
+
+def retried(
+    case: Case, ledger: Ledger, attempts: int, patience: int, solve: Callable[[Case, Plan], Result]
+) -> Result:
+    """Solve from the guess of the case; while no success is claimed, from it undisturbed, then from disturbances.
+
+    All but the last attempt may use at most `patience` iterations: a good start needs a tenth of that. Returns the
+    first result when none succeeds.
+    """
+    guessed = case.guess.plan(case, ledger)
+    found: list[Result] = []
+    for attempt in range(attempts):
+        last = attempt == attempts - 1
+        limit = case.iteration_limit if last else min(case.iteration_limit, patience)
+        found.append(
+            solve(replace(case, iteration_limit=limit), disturbed(guessed, case, _seed(case.seed, attempt)))
+        )
+        if found[-1].claimed:
+            return found[-1]
+        if ledger.seconds_left <= 0.1:
+            break
+    return found[0]
+
+
+def _seed(seed: int, attempt: int) -> int:
+    """The case's own seed, then 0, then seeds that no user's case has."""
+    if attempt == 0:
+        return seed
+    return 0 if attempt == 1 and seed else 10**6 + 1000 * seed + attempt

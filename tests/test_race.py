@@ -19,12 +19,14 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.gates import passes
 from benchbench.errors import BadInput
+from benchbench.model import Model
 from benchbench.plan import Array, Plan
 from benchbench.race.point_mass import point_mass_plan
 from benchbench.race.scenario import Race
 from benchbench.race.track import Gate
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap
+from benchbench_plugins.models.quadrotor import Quadrotor as RaceQuadrotor
 
 
 @cache
@@ -111,9 +113,11 @@ def test_smaller_gates_and_own_gates_take_longer(tmp_path: Path) -> None:
     assert same.record["mpcc_hash"] == good().record["mpcc_hash"]
 
 
-def test_who_cannot_race_is_told() -> None:
-    with pytest.raises(BadInput, match="'table1' cannot race"):
-        run("vehicle=table1")
+def test_who_cannot_race_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(RaceQuadrotor, "specific_thrust", Model.specific_thrust)
+    with pytest.raises(BadInput, match="'race_quadrotor' cannot race"):
+        run()
+    monkeypatch.undo()
     with pytest.raises(BadInput, match="gate 1 is outside the workspace"):
         run("scenario.track=[[0,0,-1]]", "scenario.gates=1")
     with pytest.raises(BadInput, match="too short for this race"):

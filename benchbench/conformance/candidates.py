@@ -11,7 +11,7 @@ import hydra
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.object_type import ObjectType
 from hydra.errors import InstantiationException
-from omegaconf import OmegaConf
+from omegaconf import DictConfig, OmegaConf
 
 from benchbench import config
 from benchbench.registry import installed
@@ -22,6 +22,8 @@ GROUPS = {
     "contacts": "scenario/contact",
     "relaxations": "relaxation",
     "solvers": "solver",
+    "strategies": "strategy",
+    "guesses": "guess",
 }
 """Where the YAML files of a family are."""
 
@@ -74,10 +76,17 @@ def _settings(group: str) -> Iterator[tuple[str, dict[str, Any]]]:
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
         for name in GlobalHydra.instance().config_loader().get_group_options(group, ObjectType.CONFIG):
             try:
-                composed = OmegaConf.to_container(hydra.compose(f"{group}/{name}"), resolve=True)
+                composed = OmegaConf.to_container(_composed(group, name), resolve=True)
             except Exception as error:  # noqa: BLE001  # a YAML file can be wrong in any way
                 composed = {"error": f"{group}/{name}.yaml: {error}"}
             yield name, _innermost(composed)
+
+
+def _composed(group: str, name: str) -> DictConfig:
+    """One choice of a group; alone where the program has no such choice by itself (parts of scenarios)."""
+    if group in config.FAMILIES:
+        return hydra.compose("config", [f"{group}={name}"])[group]  # it may change other choices
+    return hydra.compose(f"{group}/{name}")
 
 
 def _innermost(tree: Any) -> dict[str, Any]:

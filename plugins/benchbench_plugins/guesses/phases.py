@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import final
 
+from pydantic import ConfigDict, InstanceOf
 from pydantic.dataclasses import dataclass
 
 from benchbench import posing
@@ -14,15 +15,18 @@ from benchbench.strategy import from_phases
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, config=ConfigDict(arbitrary_types_allowed=True))
 class Phases(Guess):
     """Solve phases, then one step size with the contact, or the gates, held at the nearest nodes; both smooth.
 
-    `sequence`: the stops that are made, in order; none: as they are listed.
+    start: what the phases start from; sequence: the stops that are made, in order, in a simple start instead.
     """
 
+    start: InstanceOf[Guess]
     sequence: tuple[str, ...] = ()
 
     def plan(self, case: Case, ledger: Ledger) -> Plan:
         """Two solves."""
-        return from_phases(case, ledger, posing.chosen(case, self.sequence, "guess.sequence")).plan
+        made = posing.chosen(case, self.sequence, "guess.sequence")
+        start = posing.start(case, ledger, made) if made else self.start.plan(case, ledger)
+        return from_phases(case, ledger, start).plan

@@ -174,6 +174,29 @@ class AerialManipulator(Model):
         weight = (p.quadrotor_mass + p.arm_mass) * p.gravity
         return np.array([weight / 4] * 4 + [0.0])
 
+    def specific_thrust(self, flown: Array) -> Array:
+        """All motors at their limits."""
+        p = self.parameters
+        return np.full(len(flown), 4 * p.motor_force[1] / (p.quadrotor_mass + p.arm_mass))
+
+    def follow(
+        self, time: Array, position: Array, velocity: Array, thrust: Array
+    ) -> tuple[Array, Array, Array]:
+        """Thrust along the body z axis, nose along x, arm in the middle of its range."""
+        p, n = self.parameters, len(time)
+        size = np.linalg.norm(thrust, axis=1)
+        up = (thrust / np.maximum(size, 1e-9)[:, None])[np.minimum(np.arange(n), n - 2)]
+        pitch = np.arctan2(up[:, 0], up[:, 2])
+        roll = np.arcsin(np.clip(-up[:, 1], -1.0, 1.0))
+        turned = np.stack([np.clip(x, -p.tilt, p.tilt) for x in (roll, pitch)], axis=1)
+        q = np.hstack([position, turned, np.zeros((n, 1)), np.full((n, 1), np.mean(p.arm_angle))])
+        v = np.gradient(q, time, axis=0)
+        v[:, :3] = velocity
+        limits, motors = self.velocity, p.motor_force
+        force = np.clip(size * (p.quadrotor_mass + p.arm_mass) / 4, *motors)
+        u = np.hstack([np.repeat(force[:, None], 4, axis=1), np.zeros((n - 1, 1))])
+        return q, np.clip(v, limits.lower, limits.upper), u
+
     def plant(self) -> Plant:
         """Independent Newton-Euler equations."""
         return AerialManipulatorPlant(self.parameters, self._attitude.plant())

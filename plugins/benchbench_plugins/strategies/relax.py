@@ -8,6 +8,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench import posing
 from benchbench.case import Case, Ledger, Task
+from benchbench.guess import first_plan
 from benchbench.homotopy import Solved, homotopy
 from benchbench.mpcc import Mpcc
 from benchbench.strategy import Result, Strategy, pose
@@ -23,7 +24,7 @@ class Relax(Strategy):
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Guess, pose, relax."""
-        start = case.guess.plan(case, ledger)
+        start = first_plan(case, ledger)
         with ledger.building():
             problem = posing.free(case, start)
         return pose(problem, case, ledger, "relaxation")

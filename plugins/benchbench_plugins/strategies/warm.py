@@ -8,6 +8,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench import posing
 from benchbench.case import Case, Ledger
+from benchbench.guess import first_plan
 from benchbench.strategy import Result, Strategy, from_phases, pose
 
 
@@ -17,15 +18,17 @@ class Warm(Strategy):
     """Phases, one step size with contact or gates held, then progress variables and complementarity for the last sigma.
 
     What the smooth solve ends with, multipliers included, is nearly a solution of the MPCC: a solver that starts warm
-    (solver=ipopt) needs few iterations to tell whether contact or gates should move. `sequence`: as of guess=phases; the
-    guess of the case plays no part.
+    (solver=ipopt) needs few iterations to tell whether contact or gates should move. `sequence`: the stops that are made, in order,
+    in a simple start instead of the guess of the case.
     """
 
     sequence: tuple[str, ...] = ()
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Three solves."""
-        held = from_phases(case, ledger, posing.chosen(case, self.sequence, "strategy.sequence"))
+        made = posing.chosen(case, self.sequence, "strategy.sequence")
+        start = posing.start(case, ledger, made) if made else first_plan(case, ledger)
+        held = from_phases(case, ledger, start)
         with ledger.building():
             problem = posing.free(case, held.plan)
         return pose(problem, case, ledger, "relaxation", held)

@@ -1,0 +1,71 @@
+"""What every initial guess must do: a plan that exists, keeps ends and limits, and makes progress."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from benchbench.case import Case, Ledger
+from benchbench.conformance.checks.require import require
+from benchbench.guess import Guess, first_plan
+from benchbench.plan import Array, Plan
+
+ROUNDING = 1e-6
+"""Limits may be exceeded by what solvers leave, in any unit."""
+
+
+def check_plan(guess: Guess, case: Case) -> None:
+    """Finite, time from 0 on, for this vehicle, with progress made inside the flight."""
+    for plan in (guess.plan(case, Ledger(60.0)), *_seeded(guess, case, (1, 2, 3))):
+        require(plan.coordinate_names == case.model.configuration.names, "plans for another vehicle")
+        for name in ("time", "configuration", "velocity", "inputs", "progress"):
+            require(bool(np.all(np.isfinite(getattr(plan, name)))), f"{name} is not finite")
+        require(plan.time[0] == 0 and bool(np.all(np.diff(plan.time) > 0)), "time does not increase from 0")
+        low, high = case.scenario.travel_time
+        require(low <= plan.travel_time <= high, f"travel time {plan.travel_time} s is not allowed")
+        require(bool(np.all(plan.claims.sum(axis=0) > 0)), "makes no progress at a stop")
+        for first, last in plan.contacts:
+            require(first > 0 and last < plan.intervals, "contact at an end")
+
+
+def check_limits(guess: Guess, case: Case) -> None:
+    """Starts and ends where the scenario says, configurations and inputs within their limits; disturbed ones too."""
+    box, inputs = case.scenario.limits(case.model), case.model.inputs
+    for plan in (guess.plan(case, Ledger(60.0)), *_seeded(guess, case, (1, 2, 3))):
+        for where, k, point in (
+            ("start", 0, case.scenario.start_point(case.model)),
+            ("end", -1, case.scenario.end_point(case.model)),
+        ):
+            gap = float(np.max(np.abs(plan.configuration[k] - point)))
+            require(gap <= ROUNDING, f"misses the {where} by {gap:.3g}")
+        for what, values, low, high in (
+            ("configuration", plan.configuration, box.lower, box.upper),
+            ("input", plan.inputs, inputs.lower, inputs.upper),
+        ):
+            beyond = float(np.max(np.maximum(low - values, values - high)))
+            require(beyond <= ROUNDING, f"{what} exceeds its limits by {beyond:.3g}")
+
+
+def check_seeds(guess: Guess, case: Case) -> None:
+    """The same seed gives the same start, another one another contact time, travel time, path and inputs."""
+    one, again, other = _seeded(guess, case, (1, 1, 2))
+    for name in ("time", "configuration", "velocity", "inputs"):
+        require(np.array_equal(getattr(one, name), getattr(again, name)), f"{name} differs for equal seeds")
+        require(
+            not np.allclose(getattr(one, name), getattr(other, name)), f"{name} is the same for two seeds"
+        )
+    require(abs(_contact(one) - _contact(other)) > 1e-3, "contact at the same time for two seeds")
+
+
+CHECKS = (check_plan, check_limits, check_seeds)
+
+
+def _seeded(guess: Guess, case: Case, seeds: tuple[int, ...]) -> list[Plan]:
+    return [first_plan(replace(case, guess=guess, seed=seed), Ledger(60.0)) for seed in seeds]
+
+
+def _contact(plan: Plan) -> float:
+    """Mean time of the progress that is made, s."""
+    weights: Array = plan.claims.sum(axis=1)
+    return float(plan.time @ weights / weights.sum())

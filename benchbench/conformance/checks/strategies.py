@@ -1,0 +1,67 @@
+"""What every strategy must do on a small handover: an honest result, the same for the same seed, within its time."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from benchbench.case import Case, Ledger
+from benchbench.certificate.residuals import residuals
+from benchbench.conformance.checks.require import close, require
+from benchbench.guess import first_plan
+from benchbench.storage.schema import make_record
+from benchbench.strategy import Result, Strategy, planned
+
+GRANTED = 20.0
+"""Wall seconds beyond its time limit that a strategy may take, to build and to end a solve."""
+
+
+def check_result(strategy: Strategy, case: Case) -> None:
+    """What is called solved keeps its problem; plan and objective are those of the solution; effort is counted."""
+    result, ledger = _solve(strategy, case)
+    plan, found = result.plan, residuals(result.problem.mpcc, result.solved.x)
+    require(result.claimed, f"did not solve a small case: {result.solved.outcome.detail}")
+    require(
+        found.max_violation <= 1e-6, f"'{found.worst_constraint}' is violated by {found.max_violation:.3g}"
+    )
+    require(found.max_complementarity <= 1e-4, f"pairs are violated by {found.max_complementarity:.3g}")
+    again = result.problem.decode(result.solved.values)
+    close(plan.configuration, again.configuration, 1e-12, "plan")
+    require(bool(plan.contacts), "the plan claims no contact")
+    require(result.objective >= plan.travel_time - 1e-9, "the cost is below the travel time it contains")
+    require(ledger.iterations > 0 and ledger.solve_cpu > 0, "solves are not counted")
+    require(ledger.build_cpu > 0, "building is not counted")
+
+
+def check_account(strategy: Strategy, case: Case) -> None:
+    """What a strategy tells of itself has a column in the record."""
+    result, _ = _solve(strategy, case)
+    make_record(**result.account)
+
+
+def check_repeatable(strategy: Strategy, case: Case) -> None:
+    """The same seed gives the same plan, bit by bit; the seed reaches the start."""
+    seeded = replace(case, seed=3)
+    one, again = (_solve(strategy, seeded)[0] for _ in range(2))
+    require(np.array_equal(one.plan.configuration, again.plan.configuration), "differs for equal seeds")
+    require(one.account == again.account, "tells another story for equal seeds")
+    start, moved = (first_plan(c, Ledger(60.0)) for c in (case, seeded))
+    require(not np.allclose(start.time, moved.time), "a seed does not change the start")
+
+
+def check_time(strategy: Strategy, case: Case) -> None:
+    """Almost no time: a result all the same, soon."""
+    began = time.perf_counter()
+    result, _ = _solve(strategy, replace(case, time_limit=0.05))
+    require(result.plan.intervals > 0, "no plan")
+    require(time.perf_counter() - began < GRANTED, "goes on long after its time")
+
+
+CHECKS = (check_result, check_account, check_repeatable, check_time)
+
+
+def _solve(strategy: Strategy, case: Case) -> tuple[Result, Ledger]:
+    ledger = Ledger(case.time_limit)
+    return planned(strategy, replace(case, strategy=strategy), ledger), ledger

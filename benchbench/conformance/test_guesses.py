@@ -1,0 +1,41 @@
+"""Every installed guess against `checks.guesses`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from benchbench import config
+from benchbench.case import Case
+from benchbench.conformance.candidates import Candidate, candidates
+from benchbench.conformance.checks.guesses import CHECKS
+from benchbench.guess import Guess, straight_line
+from benchbench.storage.recording import write_mcap
+
+GUESSES = pytest.mark.parametrize("candidate", candidates("guesses"), ids=lambda c: c.name)
+
+
+@pytest.fixture(scope="module", params=["static", "circle"])
+def case(request: pytest.FixtureRequest) -> Case:
+    """A target at rest and a moving one, on a coarse grid."""
+    return config.compose(f"+scenario={request.param}", "scenario.intervals=16", "compile=never")
+
+
+@pytest.fixture(scope="module")
+def recording(case: Case, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recorded plan, for guesses that ask for one."""
+    path = tmp_path_factory.mktemp("recording") / "plan.mcap"
+    write_mcap(path, straight_line(case), None, case.scenario, case.model, {})
+    return path
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+@GUESSES
+def test_guess(
+    candidate: Candidate, check: Callable[[Guess, Case], None], case: Case, recording: Path
+) -> None:
+    """One check of one guess; a mandatory setting (???) is the path of a recording."""
+    asked = {name: str(recording) for name, value in candidate.settings.items() if value == "???"}
+    check(candidate.build(**asked), case)

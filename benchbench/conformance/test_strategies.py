@@ -1,0 +1,37 @@
+"""Every installed strategy against `checks.strategies`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from benchbench import config
+from benchbench.case import Case
+from benchbench.conformance.candidates import Candidate, candidates
+from benchbench.conformance.checks.strategies import CHECKS
+from benchbench.errors import IncompatibleCase, Unavailable
+from benchbench.strategy import Strategy
+
+STRATEGIES = pytest.mark.parametrize("candidate", candidates("strategies"), ids=lambda c: c.name)
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    """A target at rest on a coarse grid, from the plain guess."""
+    return config.compose(
+        "+scenario=static", "solver=ipopt", "guess=line", "scenario.intervals=12", "compile=never",
+        "iteration_limit=500", "time_limit=60",
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+@STRATEGIES
+def test_strategy(candidate: Candidate, check: Callable[[Strategy, Case], None], case: Case) -> None:
+    """One check of one strategy; one that asks for a `file` reads what others planned."""
+    if "file" in candidate.settings:
+        pytest.skip("plans nothing by itself")
+    try:
+        check(candidate.build(), case)
+    except (IncompatibleCase, Unavailable) as reason:
+        pytest.skip(str(reason))

@@ -1,0 +1,22 @@
+"""A start from what limits time most: the time-optimal flight of a point mass."""
+
+from __future__ import annotations
+
+from typing import final
+
+from pydantic.dataclasses import dataclass
+
+from benchbench import posing
+from benchbench.case import Case, Ledger
+from benchbench.guess import Guess
+from benchbench.plan import Plan
+
+
+@final
+@dataclass(frozen=True)
+class PointMass(Guess):
+    """Time-optimal flight of a point mass with the vehicle's thrust and speed, over the target or through the gates."""
+
+    def plan(self, case: Case, ledger: Ledger) -> Plan:
+        """One small solve."""
+        return posing.point_mass(case, ledger)

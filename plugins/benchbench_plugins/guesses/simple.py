@@ -1,0 +1,22 @@
+"""The cheapest start from which the phases of a scenario are solved."""
+
+from __future__ import annotations
+
+from typing import final
+
+from pydantic.dataclasses import dataclass
+
+from benchbench import posing
+from benchbench.case import Case, Ledger
+from benchbench.guess import Guess
+from benchbench.plan import Plan
+
+
+@final
+@dataclass(frozen=True)
+class Simple(Guess):
+    """Straight line over the target (`line`); for a race the flight of a point mass (`point_mass`)."""
+
+    def plan(self, case: Case, ledger: Ledger) -> Plan:
+        """Costs nothing; in a race one small solve."""
+        return posing.start(case, ledger)
