@@ -105,7 +105,7 @@ def phase_grid(case: Case, start: Plan, made: Sequence[Stop]) -> tuple[Grid, Win
     contact: dict[str, tuple[int, ...]] = {}
     averaged: list[tuple[int, Stop]] = []
     longest = scenario.travel_time[1]
-    inside = [max(s.kappa_init - 1, int(s.contact_seconds is not None)) for s in made]
+    inside = [_contact_intervals(stop, scenario.intervals / travel_time, scenario.intervals) for stop in made]
     flown = scenario.intervals - sum(inside)
     legs = np.diff(np.rint(flown * np.cumsum([0.0, *_leg_shares(len(made))])).astype(int))
     marks = np.array([0.0, *_contact_times(case, start, made), travel_time])
@@ -125,6 +125,14 @@ def phase_grid(case: Case, start: Plan, made: Sequence[Stop]) -> tuple[Grid, Win
     last = names[len(made)] if made else "flight"
     found.append(Phase(last, int(legs[-1]), SHORTEST, longest, marks[-1] - marks[-2]))
     return Grid(tuple(found)), contact, averaged
+
+
+def _contact_intervals(stop: Stop, per_second: float, total: int) -> int:
+    """Intervals of a contact: between kappa_init nodes, and where it lasts for seconds, no longer than the average."""
+    if stop.contact_seconds is None:
+        return stop.kappa_init - 1
+    wanted = min(int(np.ceil(stop.contact_seconds * per_second)), total // 4)
+    return max(stop.kappa_init - 1, wanted, 1)
 
 
 def _leg_shares(stops: int) -> Array:

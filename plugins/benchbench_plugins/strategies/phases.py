@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, final
 
 from pydantic import Field
@@ -9,6 +10,8 @@ from pydantic.dataclasses import dataclass
 
 from benchbench import posing
 from benchbench.case import Case, Ledger
+from benchbench.guess import Given
+from benchbench.margins import measured
 from benchbench.plan import Plan
 from benchbench.strategy import Result, Strategy, pose, retried
 
@@ -16,21 +19,28 @@ from benchbench.strategy import Result, Strategy, pose, retried
 @final
 @dataclass(frozen=True)
 class Phases(Strategy):
-    """One smooth solve with free durations before and after the contact; races: from gate to gate.
+    """Smooth solves with free durations before and after each contact; races: from gate to gate.
 
     The relaxation of the case plays no part. A solve that claims no success is tried again from another start,
-    `attempts` times in all, each but the last with at most `patience` iterations.
+    `attempts` times in all, each but the last with at most `patience` iterations. Margins are those that the replay asks
+    for, up to `margin`, instead of the scenario's; with margin 0 the scenario's.
     """
 
     attempts: Annotated[int, Field(ge=1)] = 4
     patience: Annotated[int, Field(ge=1)] = 400
+    margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
-        """Guess, pose, solve."""
+        """Guess, pose, solve; once more with margins where the replay asks for them."""
 
         def once(case: Case, start: Plan) -> Result:
             with ledger.building():
                 problem = posing.phases(case, start)
             return pose(problem, case, ledger, "phases")
 
-        return retried(case, ledger, self.attempts, self.patience, once)
+        def repeatedly(case: Case, near: Result | None) -> Result:
+            if near is not None:
+                case = replace(case, guess=Given(near.plan), seed=0)
+            return retried(case, ledger, self.attempts, self.patience, once)
+
+        return measured(case, ledger, self.margin, repeatedly) if self.margin else repeatedly(case, None)

@@ -1,0 +1,70 @@
+"""Margins as large as the replay asks for: solve without, fly, take back what a limit was exceeded by, solve again.
+
+A transcription keeps limits at its nodes, the certificate asks for them between the nodes as well. A margin that is fixed
+beforehand costs travel time where none is needed, and is too small where the grid is coarse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from benchbench.case import Case, Ledger
+from benchbench.certificate.certificate import Certificate
+from benchbench.certificate.checks import rate_ratio
+from benchbench.strategy import Result, judge
+
+ROUNDS = 3
+"""Solves that may follow the first."""
+AGAIN = 1.1
+"""What was exceeded is taken back with so much more, because the next plan flies differently."""
+
+Margins = dict[str, dict[str, float]]
+"""Margins by the name of the field of the scenario."""
+
+
+def measured(
+    case: Case, ledger: Ledger, most: float, solve: Callable[[Case, Result | None], Result]
+) -> Result:
+    """Solve, from nothing or from an earlier result, until the certificate accepts or a margin would exceed `most`.
+
+    Returns the certified result; without one the first, which has no margins.
+    """
+    margins: Margins = {"rate_margin": {}, "contact_margin": {}}
+    first = last = solve(_with(case, margins), None)
+    for _ in range(ROUNDS):
+        if not last.claimed or ledger.seconds_left <= 0.1:
+            return first
+        certificate = judge(last, case)
+        if certificate.certified:
+            return last
+        raised = _raised(margins, certificate, case)
+        if raised == margins or max((m for own in raised.values() for m in own.values()), default=0.0) > most:
+            return first
+        margins = raised
+        last = solve(_with(case, margins), last)
+    return last if last.claimed and judge(last, case).certified else first
+
+
+def _with(case: Case, margins: Margins) -> Case:
+    return replace(case, scenario=case.scenario.model_copy(update=margins))
+
+
+def _raised(margins: Margins, found: Certificate, case: Case) -> Margins:
+    """Margins with what the replay exceeded taken back; the same where it broke other limits only."""
+    rates, contacts = dict(margins["rate_margin"]), dict(margins["contact_margin"])
+    if found.flight is not None:
+        reached = np.max(rate_ratio(found.flight.velocity, case.model.velocity), axis=0)
+        for name, ratio in zip(case.model.velocity.names, reached, strict=True):
+            if ratio > case.limits.rate_ratio:
+                rates[name] = rates.get(name, 0.0) + AGAIN * float(ratio - case.limits.rate_ratio)
+    for stop in case.scenario.itinerary.stops:
+        for name, contact in stop.contacts.items():
+            beyond = [
+                c.value - c.limit for c in found.checks if not c.ok and c.name.endswith(f"contact_{name}")
+            ]
+            if beyond and np.isfinite(max(beyond)):
+                contacts[name] = contacts.get(name, 0.0) + AGAIN * max(beyond) / contact.limit + 1e-4
+    return {"rate_margin": rates, "contact_margin": contacts}
