@@ -60,11 +60,10 @@ def _raised(margins: Margins, found: Certificate, case: Case) -> Margins:
         for name, ratio in zip(case.model.velocity.names, reached, strict=True):
             if ratio > case.limits.rate_ratio:
                 rates[name] = rates.get(name, 0.0) + AGAIN * float(ratio - case.limits.rate_ratio)
-    for stop in case.scenario.itinerary.stops:
-        for name, contact in stop.contacts.items():
-            beyond = [
-                c.value - c.limit for c in found.checks if not c.ok and c.name.endswith(f"contact_{name}")
-            ]
-            if beyond and np.isfinite(max(beyond)):
-                contacts[name] = contacts.get(name, 0.0) + AGAIN * max(beyond) / contact.limit + 1e-4
+    limits = {name: c.limit for stop in case.scenario.itinerary.stops for name, c in stop.contacts.items()}
+    for name, limit in limits.items():
+        flown = [c for c in found.checks if not c.ok and c.name.endswith(f"contact_{name}")]
+        beyond = max((c.value - c.limit for c in flown), default=0.0)
+        if beyond > 0 and np.isfinite(beyond):
+            contacts[name] = contacts.get(name, 0.0) + AGAIN * beyond / limit + 1e-4
     return {"rate_margin": rates, "contact_margin": contacts}
