@@ -75,6 +75,12 @@ class Strategy(ABC):
     def solve(self, case: Case, ledger: Ledger) -> Result | Outside:
         """Return the best plan found; the last word on it is not the strategy's."""
 
+    def answer(self, mpcc: Mpcc, case: Task, ledger: Ledger) -> Solved:
+        """Return the best solution of an MPCC that is no flight; only strategies override it that need no more."""
+        able = "continuation, relax, or another one that needs nothing but an MPCC"
+        problem = f"'{case.names['strategy']}' plans flights, but '{case.names['scenario']}' is none"
+        raise IncompatibleCase("strategy", problem, able)
+
 
 def planned(strategy: Strategy, case: Case, ledger: Ledger) -> Result:
     """Solve by another strategy; raises IncompatibleCase for one that poses no problem of ours."""
@@ -84,12 +90,6 @@ def planned(strategy: Strategy, case: Case, ledger: Ledger) -> Result:
             "strategy", f"the plan of {result.planner} poses no problem", "a strategy that solves"
         )
     return result
-
-    def answer(self, mpcc: Mpcc, case: Task, ledger: Ledger) -> Solved:
-        """Return the best solution of an MPCC that is no flight; only strategies override it that need no more."""
-        able = "continuation, relax, or another one that needs nothing but an MPCC"
-        problem = f"'{case.names['strategy']}' plans flights, but '{case.names['scenario']}' is none"
-        raise IncompatibleCase("strategy", problem, able)
 
 
 def pose(problem: Problem, case: Case, ledger: Ledger, stage: str, near: Result | None = None) -> Result:
