@@ -17,12 +17,12 @@ EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "own_config"
 
 # overrides, field that the message names, what it must say besides
 REFUSED = [
-    ("", "scenario", "+scenario=NAME with NAME one of circle, delivery, detour, first_robot, linear, race, static, two_free"),
+    ("", "scenario", "+scenario=NAME with NAME one of circle, delivery, detour, first_robot, linear, mpcc_file, pympcc, race, static, two_free"),
     ("solver=ipopt", "scenario", "none was chosen"),
     ("scenario.kappa_init=3", "scenario", "none was chosen"),
-    ("+scenario=triangle", "scenario", "'triangle' does not exist; allowed: circle, delivery, detour, first_robot, linear, race, static, two_free"),
+    ("+scenario=triangle", "scenario", "'triangle' does not exist; allowed: circle, delivery, detour, first_robot, linear, mpcc_file, pympcc, race, static, two_free"),
     ("scenario=circle", "scenario", "+scenario=circle"),
-    ("+scenario=handover", "scenario", "not a scenario; allowed: circle, delivery, detour, first_robot, linear, race, static, two_free"),
+    ("+scenario=handover", "scenario", "not a scenario; allowed: circle, delivery, detour, first_robot, linear, mpcc_file, pympcc, race, static, two_free"),
     ("+scenario=static +scenario=circle", "scenario", "chosen twice"),
     ("+scenario=static solver=simplex", "solver", "'simplex' does not exist; allowed: "),
     ("+scenario=static +solver=ipopt", "solver", "solver=NAME without the plus sign"),
@@ -126,7 +126,13 @@ def test_vehicle_that_cannot_fly_is_incompatible() -> None:
 
 @pytest.mark.parametrize("scenario", config.choices("scenario"))
 def test_every_scenario_is_possible(scenario: str) -> None:
-    validate(config.compose(f"+scenario={scenario}"))
+    asked = {"mpcc_file": ["scenario.path=some.json"]}  # has no default, and says so
+    validate(config.compose_any(f"+scenario={scenario}", *asked.get(scenario, [])))
+
+
+def test_a_file_that_must_be_named_is_asked_for() -> None:
+    with pytest.raises(BadInput, match=r"scenario\.path"):
+        config.compose_any("+scenario=mpcc_file")
 
 
 def test_same_case_twice_in_one_process_gives_the_same_plan() -> None:
