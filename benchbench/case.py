@@ -45,13 +45,17 @@ class Task:
 
 @dataclass(frozen=True, kw_only=True)
 class Case(Task):
-    """Everything that decides the run of a flight: one choice from every family."""
+    """Everything that decides the run of a flight: one choice from every family.
+
+    `task_hash` tells what its travel time may be compared with, see `benchbench.task_hash`.
+    """
 
     scenario: Scenario
     model: Model
     dynamics: Dynamics
     guess: Guess
     limits: Limits
+    task_hash: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

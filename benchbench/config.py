@@ -6,6 +6,7 @@ import inspect
 import math
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,7 @@ from benchbench.relaxation import Relaxation
 from benchbench.scenario import Scenario
 from benchbench.solver import Solver
 from benchbench.strategy import Strategy
+from benchbench.task_hash import task_hash
 
 KINDS: dict[str, type | tuple[type, ...]] = {
     "scenario": (dict, ReadyMade), "vehicle": Model, "dynamics": Dynamics, "relaxation": Relaxation, "solver": Solver,
@@ -122,7 +124,7 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
     if isinstance(parts["scenario"], ReadyMade):
         ready = parts["scenario"]
         return ReadyCase(scenario=ready, names={"scenario": ready.name, **names}, **how)
-    return _flight(parts, names, how)
+    return replace(_flight(parts, names, how), task_hash=task_hash(cfg))
 
 
 def _families(cfg: DictConfig) -> list[str]:

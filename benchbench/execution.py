@@ -22,6 +22,7 @@ from benchbench.errors import BadInput, BenchBenchError, Crash, NoPlan, OutOfMem
 from benchbench.failure import failed, reason
 from benchbench.hydra_errors import EXPECTED, explained
 from benchbench.progress import LiveLine
+from benchbench.storage.best_known import BEST_KNOWN, BestKnown, packaged
 from benchbench.storage.files import RECORD, write_record
 from benchbench.storage.schema import Record
 
@@ -151,12 +152,13 @@ def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
     case = config.build(cfg, place.chosen)
     repeats = settings.Settings.of(cfg).repeats
     _check_writable(place.root)
+    known = BestKnown.load(packaged(), place.root / BEST_KNOWN)
     told = instantiate(cfg.on_step) if cfg.get("on_step") else None
     own = OmegaConf.masked_copy(
         cfg, [str(key) for key in cfg if key != "on_step"]
     )  # a study's part stays out of the files
     with LiveLine(told) as line:
-        done = pipeline.run(case, line, place.labels, repeats)
+        done = pipeline.run(case, line, place.labels, repeats, known)
         line.stage("files", None)
         return done, pipeline.write(done, place.folder, place.root, OmegaConf.to_yaml(own, resolve=True))
 

@@ -21,6 +21,7 @@ from benchbench.mpcc import evaluate
 from benchbench.race.scenario import Race
 from benchbench.solver import Claim
 from benchbench.storage import provenance
+from benchbench.storage.best_known import BestKnown, packaged
 from benchbench.storage.schema import Status, make_record
 from benchbench.strategy import Answer, Outside, Result
 from benchbench.validate import validate
@@ -48,13 +49,15 @@ def run(
     watch: Watch | None = None,
     labels: Mapping[str, Any] | None = None,
     repeats: int = 1,
+    known: BestKnown | None = None,
 ) -> Run:
     """Plan, judge, record; raises BadInput for a case that cannot work.
 
     A flight is posed by its strategy; a ready-made MPCC enters at the waist, and there is no plan in its solution.
 
     labels: ready columns of the record; repeats: solves to time. The plan is always the first solve's; with
-    more than one repeat that one is the warm-up and is not among the timed ones.
+    more than one repeat that one is the warm-up and is not among the timed ones; known: best known values to compare
+    with, those that come with BenchBench unless said otherwise.
     """
     before = provenance.collect()
     began = time.perf_counter()
@@ -76,6 +79,8 @@ def run(
         ledger,
         {**before, **costs, **_spread(timed), **told, **first_order, **(labels or {})},
     )
+    if isinstance(case, Case):
+        record |= (known or BestKnown.load(packaged())).compare(record)
     return Run(case, result, certificate, record)
 
 
@@ -154,6 +159,7 @@ def _flight(case: Case, result: Result | Outside | Answer) -> dict[str, Any]:
         "kappa_init": None if isinstance(case.scenario, Race) else case.scenario.kappa_init,
         "travel_time_s": result.plan.travel_time,
         "lower_bound_s": lower_bound(case.scenario, case.model, case.model.plant()),
+        "task_hash": None if isinstance(result, Outside) else case.task_hash,
     }
 
 

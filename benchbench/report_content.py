@@ -30,6 +30,7 @@ from benchbench.storage.table import PANDAS
 
 FACTS = {
     "travel time": ("travel_time_s", 1.0, "s"), "lower bound": ("lower_bound_s", 1.0, "s"),
+    "best known": ("best_known_s", 1.0, "s"), "above it": ("gap_percent", 1.0, "%"),
     "iterations": ("iterations", 1.0, ""), "solver": ("solve_cpu_s", 1.0, "s CPU"),
     "error of one interval": ("replay_defect_position_m", 1e3, "mm"),
     "distance in contact": ("contact_max_distance_m", 1e3, "mm"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from collections.abc import Mapping, Sequence
 from os.path import commonpath
@@ -12,6 +13,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from benchbench.storage.best_known import SAME
 from benchbench.storage.schema import Status
 
 REASONS = 4
@@ -24,6 +26,7 @@ USAGE = """BenchBench plans a flight, certifies the plan, stores it and shows it
   benchbench plugins [FAMILY=NAME]        what there is, and whether it works
   benchbench table [DIR ...]              all runs as a table: text, CSV, ...
   benchbench report DIR ...               all runs as one HTML page
+  benchbench best DIR ...                 keep the best certified plans
 
 or python -m benchbench, which is the same.
 
@@ -62,6 +65,11 @@ def show(record: Mapping[str, Any], paths: Mapping[str, Path], console: Console 
     for name, text in _lines(record):
         grid.add_row(name, text)
     console.print(grid)
+    if new_best(record) and "record" in paths:
+        folder = shlex.quote(_near(paths["record"].parent))
+        console.print(
+            Text(f"{'keep it':<13}", style="bold") + Text(f"benchbench best {folder}"), soft_wrap=True
+        )
     for name, place in _places(paths).items():
         console.print(Text(f"{name:<13}", style="bold") + Text(place, style="not bold"), soft_wrap=True)
 
@@ -73,7 +81,8 @@ def show_line(number: int, record: Mapping[str, Any], combination: str) -> None:
     flies = _flies(record) or record["objective"] is None
     found = _number(record["travel_time_s"], ".4f", "s") if flies else f"f = {record['objective']:.6g}"
     line = Text(f"{number:>4}  ") + Text(f"{verdict:<15}", "green" if record["certified"] else "red")
-    line += Text(f"  {found:>9}  {combination}")
+    gap = "" if record["gap_percent"] is None else f"{record['gap_percent']:+.3f} %"
+    line += Text(f"  {found:>9}  {gap:>10}  ", "bold green" if new_best(record) else "") + Text(combination)
     if console.is_terminal:
         line.truncate(console.width, overflow="ellipsis")
     console.print(line, soft_wrap=True)
@@ -131,8 +140,11 @@ def _solution(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
 def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     lines: list[tuple[str, Text | str]] = [
         ("travel time", f"{_number(r['travel_time_s'], '.4f', 's')}   "
-                        f"(lower bound {_number(r['lower_bound_s'], '.3f', 's')})"),
+                        f"(lower bound {_number(r['lower_bound_s'], '.3f', 's')}{_best(r)})"),
     ]  # fmt: skip
+    if new_best(r):
+        less = Text(f"{-r['gap_percent']:.2g} % less than any certified plan before", style="bold green")
+        lines.append(("new best", less))
     if r["contact_start_s"] is not None:
         lines.append(("contact", f"{_contacts(r)}\n{_worst(r)}"))
     if r["search"]:
@@ -145,6 +157,18 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         *lines,
         ("replay", f"{defect} off after one interval, {drift} at worst flown open loop{_far(r)}"),
     ]
+
+
+def new_best(r: Mapping[str, Any]) -> bool:
+    """The run has a certified plan that beats the best known one."""
+    return r["gap_percent"] is not None and r["gap_percent"] < -100 * SAME
+
+
+def _best(r: Mapping[str, Any]) -> str:
+    if r["best_known_s"] is None:
+        return ""
+    gap = "" if r["gap_percent"] is None else f", {r['gap_percent']:+.3f} %"
+    return f"; best known {r['best_known_s']:.4f} s{gap}"
 
 
 def _size(r: Mapping[str, Any]) -> str:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 SHORT = (
     "scenario", "intervals", "kappa_init", "dynamics", "relaxation", "solver", "strategy", "status",
-    "travel_time_s", "iterations", "solve_cpu_s", "replay_defect_position_m",
+    "travel_time_s", "gap_percent", "iterations", "solve_cpu_s", "replay_defect_position_m",
 )  # fmt: skip
 """Columns that fit on a page, for the formats people read."""
 READ_BY_PEOPLE = ("markdown", "latex")

@@ -47,6 +47,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("intervals", "int", "", "N, number of intervals of the time grid"),
     Column("kappa_init", "int", "", "number of consecutive nodes asked to be in contact"),
     Column("seed", "int", "", "seed of every random number of the run"),
+    Column("task_hash", "str", "", "hash of task, limits, transcription and grid; equal hash means travel times may be compared"),
     # how it ended
     Column("status", "str", "", "typed outcome: " + ", ".join(Status)),
     Column("claimed_success", "bool", "", "the solver says it succeeded"),
@@ -58,6 +59,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("objective", "float", "", "value of the cost: t_N + c_u sum h |u - u_ref|^2; of a ready-made MPCC its own cost"),
     Column("lower_bound_s", "float", "s", "proved lower bound of the travel time"),
     Column("search", "str", "", "what a strategy that tries candidates tried and proved; empty for others"),
+    Column("best_known_s", "float", "s", "best certified travel time known for this task_hash when the run began, rewards taken off"),
+    Column("gap_percent", "float", "%", "how far a certified plan is above best_known_s, its rewards taken off; negative: it beats it"),
     # what it cost
     Column("iterations", "int", "", "solver iterations, summed over all solves of the run"),
     Column("evaluations", "int", "", "calls of objective, constraints and their derivatives, summed over all solves"),

@@ -1,0 +1,118 @@
+"""The best certified travel time known for each task, and the command that gives it: `results/best_known.yaml`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import yaml  # type: ignore[import-untyped]
+
+from benchbench.errors import BadInput
+from benchbench.storage.files import write_bytes
+from benchbench.storage.schema import Record
+
+BEST_KNOWN = "best_known.yaml"
+SAME = 1e-6
+"""Relative difference up to which two travel times are the same."""
+IDENTITY = ("scenario", "kappa_init", "vehicle", "dynamics", "intervals")
+"""What people call the task; entries are ordered by it, and `task_hash` decides."""
+FOUND = (
+    "strategy", "solver", "solver_version", "casadi_version", "benchbench_version", "git_commit", "git_dirty",
+    "started_at",
+)  # fmt: skip
+"""Columns of the record that say what found the plan, and when."""
+HEAD = """# Best certified travel time known for each task, transcription and grid; `benchbench best DIR` updates it.
+# `command` behind `python -m benchbench` gives it again. travel_time_s has the rewards of optional stops taken off.
+"""
+
+Entry = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class BestKnown:
+    """Entries by `task_hash`; each has `travel_time_s` and `command` at least."""
+
+    entries: Mapping[str, Entry]
+
+    @classmethod
+    def load(cls, *files: Path) -> Self:
+        """Read files that exist, the better entry of each task; raises BadInput for one that cannot be used."""
+        entries: dict[str, Entry] = {}
+        for path in files:
+            for entry in _read(path):
+                old = entries.get(entry["task_hash"])
+                if old is None or entry["travel_time_s"] < old["travel_time_s"]:
+                    entries[entry["task_hash"]] = entry
+        return cls(entries)
+
+    def compare(self, record: Record) -> dict[str, float]:
+        """Return the record's columns `best_known_s` and, of a certified plan, `gap_percent`."""
+        if record["task_hash"] not in self.entries:
+            return {}
+        best, time = float(self.entries[record["task_hash"]]["travel_time_s"]), net_time(record)
+        gap = {"gap_percent": 100 * (time / best - 1)} if time is not None and record["certified"] else {}
+        return {"best_known_s": best, **gap}
+
+    def save(self, path: Path) -> None:
+        """Write all entries, ordered by what people call the task; raises BadInput when the disk refuses."""
+        rows = sorted(self.entries.values(), key=_order)
+        text = yaml.safe_dump(rows, sort_keys=False, width=1000, allow_unicode=True)
+        write_bytes(path, (HEAD + text).encode())
+
+
+def packaged() -> Path:
+    """The file that comes with BenchBench: of the installed package, else of the checkout."""
+    here = Path(__file__).resolve().parents[1]
+    installed = here / BEST_KNOWN
+    return installed if installed.is_file() else here.parent / "results" / BEST_KNOWN
+
+
+def net_time(record: Mapping[str, Any]) -> float | None:
+    """Travel time in s of a record, rewards of optional stops taken off."""
+    time = record["travel_time_s"]
+    return None if time is None else time - (record["reward_s"] or 0.0)
+
+
+def beats(time: float, best: float | None) -> bool:
+    """Whether a travel time is better than the best known one, by more than `SAME`."""
+    return best is None or time < best * (1 - SAME)
+
+
+def entry(record: Record, command: str) -> Entry:
+    """Return what is stored of a certified record with a `task_hash`."""
+    said = {name: record[name] for name in (*IDENTITY, *FOUND) if record[name] is not None}
+    identity = {name: said.pop(name) for name in IDENTITY if name in said}
+    found = {"travel_time_s": net_time(record), "command": command}
+    return {**identity, **found, "task_hash": record["task_hash"], **said}
+
+
+def _order(one: Entry) -> tuple[tuple[bool, str, float], ...]:
+    """Texts by alphabet, numbers by size, what is missing first."""
+    values = (one.get(name) for name in IDENTITY)
+    return tuple(
+        (v is not None, "", v) if isinstance(v, int) else (v is not None, v or "", 0) for v in values
+    )
+
+
+def _read(path: Path) -> Iterable[Entry]:
+    if not path.is_file():
+        return []
+    try:
+        found = yaml.load(path.read_bytes(), getattr(yaml, "CSafeLoader", yaml.SafeLoader)) or []
+    except (OSError, yaml.YAMLError) as error:
+        raise BadInput(str(path), f"cannot be read: {str(error).splitlines()[0]}") from None
+    if not isinstance(found, list) or not all(map(_complete, found)):
+        allowed = (
+            "a list of entries with task_hash, travel_time_s > 0 and command, as `benchbench best` writes it"
+        )
+        raise BadInput(str(path), "is no file of best known values", allowed)
+    return found
+
+
+def _complete(one: Any) -> bool:
+    if not isinstance(one, dict):
+        return False
+    time, texts = one.get("travel_time_s"), (one.get("task_hash"), one.get("command"))
+    return isinstance(time, int | float) and time > 0 and all(isinstance(text, str) for text in texts)

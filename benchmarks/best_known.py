@@ -1,0 +1,53 @@
+"""Fill the best known values: scenarios x kappa_init x dynamics x N, for each strategy.
+
+    OMP_NUM_THREADS=1 python benchmarks/best_known.py
+    OMP_NUM_THREADS=1 python benchmarks/best_known.py --grids verlet:100 collocation:25 --with workers=1 strategy=phases
+    benchbench best results/best_known_runs
+
+Ordinary isolated sweeps, one per grid, resumed where they were interrupted (docs/sweeps.md): a clean checkout, since a run
+counts only for the commit that made it. What is found is kept in best_known.yaml of the output folder after each grid; the
+last command merges it into results/best_known.yaml. `strategy=phases` takes the margins that the replay asks for, so that
+no limit is kept more strictly than the certificate needs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+SCENARIOS, KAPPA_INIT = ("static", "linear", "circle"), (2, 3, 5, 13, 23)
+GRIDS = (
+    "verlet:100", "verlet:200", "collocation:25", "collocation:50", "verlet:150", "collocation:100", "rk4:50",
+    "rk4:100", "rk4:150", "collocation:150", "rk4:200", "collocation:200", "verlet:50",
+)  # fmt: skip
+"""Dynamics and N, the most wanted first."""
+PROGRAM = (sys.executable, "-m", "benchbench")
+
+
+def fill(root: Path, grid: str, overrides: Sequence[str]) -> None:
+    """Run one grid and keep what is best."""
+    dynamics, intervals = grid.split(":")
+    product = [f"+scenario={','.join(SCENARIOS)}", f"scenario.kappa_init={','.join(map(str, KAPPA_INIT))}"]
+    fixed = [f"dynamics={dynamics}", f"scenario.intervals={intervals}", f"output={root}"]
+    print(f"\n{grid}", flush=True)
+    subprocess.run([*PROGRAM, "-m", *product, *fixed, *overrides], check=False)
+    subprocess.run([*PROGRAM, "best", str(root), "--file", str(root / "best_known.yaml")], check=False)
+
+
+def main() -> None:
+    """Fill grid after grid."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--output", type=Path, default=Path("results/best_known_runs"))
+    parser.add_argument("--grids", nargs="+", default=GRIDS, metavar="DYNAMICS:N")
+    parser.add_argument("--with", nargs="+", default=["strategy=phases"], dest="overrides", metavar="OVERRIDE")
+    asked = parser.parse_args()
+    asked.output.mkdir(parents=True, exist_ok=True)
+    for grid in asked.grids:
+        fill(asked.output, grid, asked.overrides)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,212 @@
+"""Best known values: what may be compared with what, what is kept, what a run says of them."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from test_program import assert_refused, program, records
+
+from benchbench import config, pipeline
+from benchbench.commands import best
+from benchbench.errors import BadInput
+from benchbench.storage.best_known import BestKnown, net_time, packaged
+from benchbench.storage.files import write_bytes, write_record
+from benchbench.storage.schema import Record, make_record
+
+HANDOVER = ("+scenario=circle", "strategy=phases")
+RACE = ("+scenario=race", "scenario.gates=1")
+
+SMALL = (
+    "strategy=phases", "dynamics=collocation", "scenario.intervals=14", "scenario.rate_margin.arm=0.05",
+    "scenario.contacts.velocity=null", "compile=never",
+)  # fmt: skip
+"""The smallest grid on which a plan is certified, for an easier task."""
+
+SAME = [
+    (HANDOVER, "scenario.rate_margin.arm=0.03"), (HANDOVER, "scenario.contact_margin.position=0"),
+    (HANDOVER, "scenario.travel_time_guess=4"), (HANDOVER, "scenario.contact_guess=0.5"),
+    (HANDOVER, "scenario.name=mine"), (HANDOVER, "vehicle.name=mine"), (HANDOVER, "strategy=relax"),
+    (HANDOVER, "relaxation=kadrani"), (HANDOVER, "guess=line"), (HANDOVER, "seed=3"), (HANDOVER, "time_limit=9"),
+    (HANDOVER, "certificate.stationarity=on"), (HANDOVER, "scenario.contact_seconds=null"),
+    (HANDOVER, "scenario.input_cost=0.003"), (HANDOVER, "scenario.travel_time=[0.1,30]"),
+    (HANDOVER, "scenario.target._target_=benchbench_plugins.motions.circle.Circle"),
+    (RACE, "scenario.gate_margin=0.1"), (RACE, "scenario.speed_guess=7"),
+]  # fmt: skip
+OTHER = [
+    (HANDOVER, "scenario.intervals=101"), (HANDOVER, "scenario.kappa_init=3"), (HANDOVER, "dynamics=rk4"),
+    (HANDOVER, "dynamics.inputs=nodal"), (HANDOVER, "scenario.target.radius_m=0.5"), (HANDOVER, "scenario.end.x=2.4"),
+    (HANDOVER, "scenario.contact_seconds=0.1"), (HANDOVER, "scenario.contacts.heading=null"),
+    (HANDOVER, "scenario.contacts.velocity.limit=0.02"), (HANDOVER, "+scenario/contact=floor"),
+    (HANDOVER, "scenario.workspace.z=[0,2]"), (HANDOVER, "scenario.hover_ends=true"),
+    (HANDOVER, "scenario.input_cost=0.001"), (HANDOVER, "vehicle.arm_length=0.1"),
+    (HANDOVER, "vehicle.force_model=paper"), (HANDOVER, "certificate.rate_ratio=1.2"),
+    (HANDOVER, "certificate.contact_allowance.position=0.01"), (RACE, "scenario.gates=2"),
+    (RACE, "scenario.radius=0.5"), (RACE, "scenario.nodes_per_gate=20"), (RACE, "scenario.end_velocity=rest"),
+    (RACE, "scenario.track=[[0,0,2]]"), (RACE, "vehicle.mass=1"),
+]  # fmt: skip
+
+
+def key(*overrides: str) -> str:
+    found = config.compose(*overrides).task_hash
+    assert found
+    return found
+
+
+@pytest.fixture(scope="module")
+def keys() -> dict[tuple[str, ...], str]:
+    return {base: key(*base) for base in (HANDOVER, RACE)}
+
+
+@pytest.mark.parametrize(("base", "change"), SAME)
+def test_how_a_task_is_solved_does_not_make_another_task(
+    base: tuple[str, ...], change: str, keys: dict[tuple[str, ...], str]
+) -> None:
+    assert key(*base, change) == keys[base]
+
+
+@pytest.mark.parametrize(("base", "change"), OTHER)
+def test_another_task_is_not_compared(
+    base: tuple[str, ...], change: str, keys: dict[tuple[str, ...], str]
+) -> None:
+    assert key(*base, change) != keys[base]
+
+
+def test_a_track_is_what_its_file_says_and_not_its_path(tmp_path: Path) -> None:
+    one, copy, other = (tmp_path / name for name in ("a.csv", "b.csv", "c.csv"))
+    for file, x in ((one, 1), (copy, 1), (other, 2)):
+        file.write_text(f"x,y,z\n{x},2,3\n")
+    first, same, changed = (
+        key("+scenario=race", "scenario.gates=1", f"scenario.track={f}") for f in (one, copy, other)
+    )
+    assert first == same != changed
+
+
+def row(folder: Path, time: float, **values: Any) -> Record:
+    """A run's folder as the program leaves it, with a made-up travel time."""
+    overrides = [*HANDOVER, "scenario.intervals=60", "scenario.rate_margin.arm=0", f"output={folder}"]
+    standard = {
+        "run_id": folder.name, "scenario": "circle", "dynamics": "verlet", "vehicle": "table1", "intervals": 60,
+        "kappa_init": 2, "status": "certified", "certified": True, "travel_time_s": time, "task_hash": key(*overrides),
+        "started_at": f"2026-01-01T00:00:{len(folder.name):02d}",
+    }  # fmt: skip
+    record = make_record(**(standard | values))
+    write_record(folder, record)
+    write_bytes(folder / ".hydra" / "overrides.yaml", yaml.safe_dump(overrides).encode())
+    return record
+
+
+def merged(file: Path, *folders: Path) -> dict[str, float]:
+    assert best.run([*map(str, folders), "--file", str(file)]) == 0
+    return {k: float(e["travel_time_s"]) for k, e in BestKnown.load(file).entries.items()}
+
+
+def test_only_certified_and_better_plans_are_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, runs = tmp_path / "mine.yaml", tmp_path / "runs"
+    task = row(runs / "a", 3.0)["task_hash"]
+    row(runs / "rejected", 2.0, certified=False, status="uncertified")
+    assert merged(file, runs) == {task: 3.0}
+    assert "3.000000 s, the first" in capsys.readouterr().out
+    row(runs / "same", 3.0 * (1 - 0.9e-6))
+    before = file.read_bytes()
+    assert merged(file, runs) == {task: 3.0} and file.read_bytes() == before
+    assert "nothing changed" in capsys.readouterr().out
+    row(runs / "better", 3.0 * (1 - 1.1e-6))
+    assert merged(file, runs)[task] == pytest.approx(3.0 * (1 - 1.1e-6), rel=1e-12)
+    assert "was 3.000000 s" in capsys.readouterr().out
+
+
+def test_the_command_leaves_out_where_results_go_and_gives_the_task_again(tmp_path: Path) -> None:
+    task = row(tmp_path / "run", 3.0)["task_hash"]
+    merged(tmp_path / "f.yaml", tmp_path / "run")
+    command = BestKnown.load(tmp_path / "f.yaml").entries[task]["command"]
+    assert "output" not in command and key(*shlex.split(command)) == task
+
+
+def test_a_plan_whose_command_is_another_task_is_left_out(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    row(tmp_path / "run", 3.0, task_hash="0123456789abcdef")
+    assert merged(tmp_path / "f.yaml", tmp_path / "run") == {}
+    assert "is another task" in capsys.readouterr().err
+
+
+def test_rewards_are_taken_off() -> None:
+    record = make_record(travel_time_s=3.0, reward_s=0.25, certified=True, task_hash="a")
+    assert net_time(record) == 2.75
+    known = BestKnown({"a": {"travel_time_s": 2.5}})
+    assert known.compare(record) == {"best_known_s": 2.5, "gap_percent": pytest.approx(10.0)}
+    assert known.compare(record | {"certified": False}) == {"best_known_s": 2.5}
+    assert known.compare(record | {"task_hash": "b"}) == {}
+
+
+def test_the_better_of_two_files_counts(tmp_path: Path) -> None:
+    ours, theirs = tmp_path / "ours.yaml", tmp_path / "theirs.yaml"
+    for file, times in ((ours, {"a": 2.0, "b": 3.0}), (theirs, {"a": 2.5, "b": 2.9, "c": 1.0})):
+        BestKnown({k: {"task_hash": k, "travel_time_s": t, "command": ""} for k, t in times.items()}).save(
+            file
+        )
+    for files in ((ours, theirs), (theirs, ours, tmp_path / "none.yaml")):
+        found = BestKnown.load(*files).entries
+        assert {k: e["travel_time_s"] for k, e in found.items()} == {"a": 2.0, "b": 2.9, "c": 1.0}
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a: 1", "- 3", "- {task_hash: a, command: b}", "- {task_hash: a, travel_time_s: -1.0, command: b}", "["],
+)
+def test_a_file_that_is_none_is_refused_by_name(tmp_path: Path, text: str) -> None:
+    (tmp_path / "f.yaml").write_text(text)
+    with pytest.raises(BadInput, match=r"f\.yaml"):
+        BestKnown.load(tmp_path / "f.yaml")
+
+
+def test_folders_without_a_run_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    assert_refused(program(tmp_path, "best", "empty"), "empty", "has no record of a run")
+    with pytest.raises(BadInput, match="there is no such folder"):
+        best.run([str(tmp_path / "nowhere")])
+    with pytest.raises(BadInput, match="DIR"):
+        best.run([])
+
+
+def test_every_value_that_comes_with_benchbench_belongs_to_its_command() -> None:
+    """A field that is new, or has another default, may orphan them: run them again, or fix `task_hash`."""
+    entries = BestKnown.load(packaged()).entries
+    for task, entry in entries.items():
+        case = config.compose(*shlex.split(entry["command"]))
+        assert case.task_hash == task
+        assert (case.scenario.name, case.scenario.intervals) == (entry["scenario"], entry["intervals"])
+        assert case.limits == config.compose("+scenario=static").limits
+
+
+def test_a_run_tells_its_gap_and_what_beats_it(tmp_path: Path) -> None:
+    """A real plan against a value that is too good, then against one that it beats; then it is kept."""
+    task = ("+scenario=static", *SMALL)
+    plan = pipeline.run(config.compose(*task)).record
+    assert plan["certified"] and plan["best_known_s"] is None and plan["gap_percent"] is None
+    file = tmp_path / "results" / "best_known.yaml"
+    told = {
+        "task_hash": plan["task_hash"],
+        "travel_time_s": plan["travel_time_s"] / 1.02,
+        "command": "+scenario=static",
+    }
+    BestKnown({plan["task_hash"]: told}).save(file)
+    above = program(tmp_path, *task)
+    assert (
+        f"best known {told['travel_time_s']:.4f} s, +2.000 %" in above.stdout
+        and "new best" not in above.stdout
+    )
+    BestKnown({plan["task_hash"]: told | {"travel_time_s": plan["travel_time_s"] * 1.01}}).save(file)
+    below = program(tmp_path, *task)
+    assert "new best" in below.stdout
+    gaps = [r["gap_percent"] for r in sorted(records(tmp_path), key=lambda r: r["started_at"])]
+    assert gaps == pytest.approx([2.0, 100 * (1 / 1.01 - 1)], abs=1e-6)
+    keep = next(line for line in below.stdout.splitlines() if line.startswith("keep it"))
+    done = program(tmp_path, *shlex.split(keep.removeprefix("keep it").strip())[1:])
+    assert done.returncode == 0 and "1 changed" in done.stdout
+    kept = BestKnown.load(file).entries[plan["task_hash"]]
+    assert kept["travel_time_s"] == pytest.approx(plan["travel_time_s"], rel=1e-9)
