@@ -39,10 +39,14 @@ def fill(root: Path, grid: str, overrides: Sequence[str]) -> None:
 
 def main() -> None:
     """Fill grid after grid."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--output", type=Path, default=Path("results/best_known_runs"))
     parser.add_argument("--grids", nargs="+", default=GRIDS, metavar="DYNAMICS:N")
-    parser.add_argument("--with", nargs="+", default=["strategy=phases"], dest="overrides", metavar="OVERRIDE")
+    parser.add_argument(
+        "--with", nargs="+", default=["strategy=phases"], dest="overrides", metavar="OVERRIDE"
+    )
     asked = parser.parse_args()
     asked.output.mkdir(parents=True, exist_ok=True)
     for grid in asked.grids:
