@@ -106,6 +106,8 @@ class Ledger:
     evaluations: int = 0
     repeated: bool = False
     """The run was solved before; only its times count."""
+    relaxed: bool = False
+    """Complementarity pairs were met, so the relaxation played a part."""
     began: float = field(default_factory=time.perf_counter)
 
     @contextmanager

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib.metadata import entry_points
 from pathlib import Path
@@ -29,6 +29,7 @@ from benchbench.errors import BadInput, BenchBenchError, invalid, unknown_field
 from benchbench.guess import Guess
 from benchbench.hydra_errors import EXPECTED, PARTS, explained
 from benchbench.model import Model
+from benchbench.overrides import implied
 from benchbench.race.scenario import Race
 from benchbench.ready import ReadyMade
 from benchbench.relaxation import Relaxation
@@ -99,13 +100,23 @@ def compose_any(*overrides: str) -> Case | ReadyCase:
     """Return the same of any scenario, a flight or an MPCC that comes ready-made. Raises BadInput."""
     with hydra.initialize_config_dir(folder(), version_base="1.3"):
         try:
-            cfg = hydra.compose("config", list(overrides), return_hydra_config=True)
+            cfg = hydra.compose("config", meant(overrides), return_hydra_config=True)
             chosen = dict(cfg.hydra.runtime.choices)
             with open_dict(cfg):
                 del cfg["hydra"]
         except (*EXPECTED, ValueError) as error:
             raise explained(error) from error
         return build(cfg, chosen)
+
+
+def meant(overrides: Sequence[str], more: str | None = None) -> list[str]:
+    """Return overrides of one run with what they imply; `more` is the user's own folder. Raises what Hydra does."""
+    if not GlobalHydra.instance().is_initialized():
+        with hydra.initialize_config_dir(folder(), version_base="1.3"):
+            return meant(overrides, more)
+    own = [f"hydra.searchpath=['file://{Path(more).absolute()}']"] if more else []
+    cfg = hydra.compose("config", [*overrides, *own], return_hydra_config=True)
+    return [*overrides, *implied(overrides, cfg.hydra.runtime.choices)]
 
 
 def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:

@@ -62,6 +62,7 @@ def homotopy(
     `carried`), and there is nowhere to be led: only the last sigma is solved.
     path: see `Path`; without one it is the relaxation's schedule, every sigma once.
     """
+    ledger.relaxed |= bool(mpcc.pairs)
     with ledger.building():
         smoothed = smooth(mpcc, case.relaxation) if mpcc.pairs else Smooth(mpcc)
         relaxed = smoothed.mpcc

@@ -1,11 +1,30 @@
-"""Overrides of a sweep, made independent of the order in which Hydra composes."""
+"""What overrides imply, and those of a sweep, made independent of the order in which Hydra composes."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
+
+SMOOTH, RELAXING = "phases", "relax"
+"""The default strategy, which has no complementarity to relax, and the one for those who ask for a relaxation."""
+
+
+def implied(overrides: Sequence[str], chosen: Mapping[str, Any]) -> list[str]:
+    """Return what is meant beside the overrides, given the choices they lead to.
+
+    Who asks for a relaxation, or sets a field of one, and for no strategy does not mean one that ignores it.
+    """
+    return [f"strategy={RELAXING}"] if relaxing(overrides) and chosen.get("strategy") == SMOOTH else []
+
+
+def relaxing(overrides: Sequence[str]) -> bool:
+    """Whether a relaxation is asked for, but no strategy."""
+    parsed = OverridesParser.create().parse_overrides(list(overrides))
+    asked = {o.key_or_group.partition(".")[0] for o in parsed}
+    return "relaxation" in asked and "strategy" not in asked
 
 
 def carried(overrides: Sequence[str]) -> list[str]:

@@ -193,7 +193,7 @@ def _record(
         status=status,
         claimed_success=claim == "solved",
         **judged,
-        **(_outside(case, result) if isinstance(result, Outside) else _posed(case, result)),
+        **(_outside(case, result) if isinstance(result, Outside) else _posed(case, result, ledger)),
         seed=case.seed,
         iterations=ledger.iterations,
         evaluations=ledger.evaluations,
@@ -203,11 +203,12 @@ def _record(
     )
 
 
-def _posed(case: Case | ReadyCase, result: Result | Answer) -> dict[str, Any]:
-    """What a record says of the problem and of who solved it."""
+def _posed(case: Case | ReadyCase, result: Result | Answer, ledger: Ledger) -> dict[str, Any]:
+    """What a record says of the problem and of who solved it; a relaxation that met no pairs is not named."""
     mpcc = result.mpcc
+    names = {family: name for family, name in case.names.items() if family != "certificate"}
     return {
-        **{family: name for family, name in case.names.items() if family != "certificate"},
+        **(names if ledger.relaxed else names | {"relaxation": ""}),
         "objective": _objective(result),
         "n_variables": mpcc.size,
         "n_constraints": sum(b.lower.size for b in mpcc.constraints),

@@ -143,6 +143,21 @@ def test_same_case_twice_in_one_process_gives_the_same_plan() -> None:
     assert first.record["travel_time_s"] == pytest.approx(2.8, abs=0.02)
 
 
+@pytest.mark.parametrize(
+    ("overrides", "strategy"),
+    [
+        ("+scenario=static", "phases"),
+        ("+scenario=static relaxation=kadrani", "relax"),
+        ("+scenario=static relaxation.schedule=[1e-6]", "relax"),
+        ("+scenario=race relaxation=scholtes", "relax"),
+        ("+scenario=two_free strategy=sequences relaxation=kadrani", "sequences"),
+        ("+scenario=pympcc scenario.problem=kth1 relaxation=kadrani", "continuation"),
+    ],
+)
+def test_who_asks_for_a_relaxation_gets_a_strategy_that_relaxes(overrides: str, strategy: str) -> None:
+    assert config.compose_any(*overrides.split()).names["strategy"] == strategy
+
+
 def test_contact_that_is_switched_off_is_no_mistake() -> None:
     case = config.compose("+scenario=static", "scenario.contacts.position=null")
     validate(case)

@@ -53,6 +53,7 @@ class IsolatedLauncher(Launcher):
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> list[JobReturn]:
         """Run one job for each list of overrides. Raises TypeError for a task function that cannot sweep."""
+        from benchbench.overrides import implied
         from benchbench.sweep.job import Job
 
         sweep: Any = getattr(self._task, "sweep", None)
@@ -65,6 +66,8 @@ class IsolatedLauncher(Launcher):
         jobs = []
         for number, overrides in enumerate(job_overrides, initial_job_idx):
             composed = loader.load_sweep_config(self._config, list(overrides))
+            if more := implied(overrides, composed.hydra.runtime.choices):
+                composed = loader.load_sweep_config(self._config, [*overrides, *more])
             with open_dict(composed):
                 composed.hydra.job.id = composed.hydra.job.num = number
             jobs.append(Job(number + 1, composed))
