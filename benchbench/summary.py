@@ -104,9 +104,7 @@ def complain(kind: str, text: str, trace: str = "") -> None:
 
 def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     choices = " / ".join(
-        str(r[k])
-        for k in ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
-        if r[k]
+        str(r[k]) for k in ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess") if r[k]
     )
     times = (r["build_cpu_s"], r["solve_cpu_s"], r["certificate_cpu_s"])
     build, solve, check = (_number(value, ".2f", "s") for value in times)
