@@ -112,7 +112,7 @@ def test_all_progress_is_made_inside_the_gates_in_order() -> None:
 
 def test_multipliers_are_carried_by_name() -> None:
     case = case_of("scenario.gates=1", "scenario.nodes_per_gate=8")
-    held = from_phases(case, Ledger(60.0))
+    held = from_phases(case, Ledger(60.0), posing.start(case, Ledger(60.0)))
     relaxed = smooth(posing.free(case, held.plan).mpcc, case.relaxation).mpcc
     start = carried(relaxed, held.solved)
     assert held.solved.relaxed is not None and start.lam_g is not None and start.lam_x is not None
