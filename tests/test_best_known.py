@@ -173,12 +173,13 @@ def test_folders_without_a_run_are_refused(tmp_path: Path) -> None:
         best.run([])
 
 
-def test_every_value_that_comes_with_benchbench_belongs_to_its_command() -> None:
-    """A field that is new, or has another default, may orphan them: run them again, or fix `task_hash`."""
-    entries = BestKnown.load(packaged()).entries
-    for task, entry in entries.items():
+def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
+    """One for each scenario and dynamics. A field with a new default may orphan them: run them again, or fix `task_hash`."""
+    entries = {(e["scenario"], e["dynamics"]): e for e in BestKnown.load(packaged()).entries.values()}
+    assert {(name, "verlet") for name in ("static", "linear", "circle")} <= entries.keys()
+    for entry in entries.values():
         case = config.compose(*shlex.split(entry["command"]))
-        assert case.task_hash == task
+        assert case.task_hash == entry["task_hash"]
         assert (case.scenario.name, case.scenario.intervals) == (entry["scenario"], entry["intervals"])
         assert case.limits == config.compose("+scenario=static").limits
 
