@@ -1,0 +1,119 @@
+"""Search for the best contact window: which nodes of a grid of equal steps are in contact, each choice one smooth solve.
+
+The travel time over the first node in contact is near to unimodal (measured, not proved), so the search walks downhill
+from window to window, each solve warm started from its neighbour. Windows whose lower bound is no better than the best
+solution need no solve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from benchbench.case import Case, Ledger
+from benchbench.certificate.window_bound import window_bounds
+from benchbench.errors import IncompatibleCase
+from benchbench.formulation import fixed_window, nearest_windows
+from benchbench.plan import Array, Plan
+from benchbench.race.scenario import Race
+from benchbench.search import Account
+from benchbench.strategy import Result, pose
+
+
+@dataclass
+class Windows:
+    """Windows by their first node k: kappa_init nodes from k on; `start` is what a first solve starts from."""
+
+    case: Case
+    ledger: Ledger
+    start: Plan
+    found: dict[int, Result] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Bound every window; raises IncompatibleCase for a scenario with another number of stops than one."""
+        scenario = self.case.scenario
+        if isinstance(scenario, Race) or len(scenario.itinerary.stops) != 1:
+            problem = f"'{self.case.names['strategy']}' searches for one contact"
+            raise IncompatibleCase("strategy", problem, "phases, sequences, orders")
+        self.count = scenario.itinerary.stops[0].kappa_init
+        first = np.arange(scenario.intervals - self.count + 1)
+        last = first + self.count - 1
+        shares = first / scenario.intervals, last / scenario.intervals
+        self.bounds: Array = window_bounds(scenario, self.case.model, self.case.limits, *shares)
+
+    @property
+    def nearest(self) -> int:
+        """The window nearest to the contact of `start`."""
+        return next(iter(nearest_windows(self.case, self.start).values()), (self._lowest(),))[0]
+
+    @property
+    def best(self) -> Result:
+        """The best that was found; the first where all failed."""
+        return min(self.found.values(), key=lambda result: result.objective)
+
+    @property
+    def centre(self) -> int:
+        """First node of the best window."""
+        return min(self.found, key=lambda k: self.found[k].objective)
+
+    def descend(self, first: int) -> Windows:
+        """Solve a window, then neighbours of the best one until both are no better."""
+        self._solve(first)
+        while self.ledger.seconds_left > 0.1:
+            new = [k for k in (self.centre - 1, self.centre + 1) if self._open(k)]
+            if not new:
+                break
+            self._solve(new[0])
+        return self
+
+    def exhaust(self) -> Windows:
+        """Solve every window that may be better than the best, from the best outwards."""
+        by_distance = sorted(range(len(self.bounds)), key=lambda k, c=self.centre: abs(k - c))  # type: ignore[misc]
+        for k in by_distance:
+            if self.ledger.seconds_left <= 0.1:
+                break
+            if self._open(k):
+                self._solve(k)
+        return self
+
+    def account(self) -> Account:
+        """What became of all windows."""
+        solved = sum(result.claimed for result in self.found.values())
+        rest = [k for k in range(len(self.bounds)) if k not in self.found]
+        pruned = sum(self.bounds[k] >= self.best.objective for k in rest)
+        return Account(solved, len(self.found) - solved, int(pruned), len(rest) - int(pruned))
+
+    def _open(self, k: int) -> bool:
+        inside = 0 <= k < len(self.bounds)
+        return inside and k not in self.found and self.bounds[k] < self.best.objective
+
+    def _solve(self, k: int) -> None:
+        """From the nearest solved window with its multipliers; if that fails, from the start without."""
+        near = self._near(k)
+        for start, known in ((near.plan, near), (self.start, None)) if near else ((self.start, None),):
+            with self.ledger.building():
+                problem = fixed_window(self.case, start, range(k, k + self.count))
+            self.found[k] = pose(problem, self.case, self.ledger, f"window {k}", known)
+            if self.found[k].claimed or self.ledger.seconds_left <= 0.1:
+                return
+
+    def _near(self, k: int) -> Result | None:
+        good = [other for other, result in self.found.items() if result.claimed]
+        return self.found[min(good, key=lambda other: abs(other - k))] if good else None
+
+    def _lowest(self) -> int:
+        return int(np.argmin(self.bounds))
+
+
+def coarser(case: Case, levels: int) -> Iterable[Case]:
+    """The case on grids of N / 2^(levels - 1), ..., N / 2, N intervals, its contact as long in s as it can be."""
+    scenario = case.scenario
+    for level in range(levels - 1, 0, -1):
+        intervals = scenario.intervals // 2**level
+        count = max(round((scenario.kappa_init - 1) / 2**level) + 1, min(scenario.kappa_init, 2))
+        if intervals >= max(10, 2 * count):
+            small = {"intervals": intervals, "kappa_init": count}
+            yield replace(case, scenario=scenario.model_copy(update=small))
+    yield case

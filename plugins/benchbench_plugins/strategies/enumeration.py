@@ -1,0 +1,52 @@
+"""The contact window as a discrete choice, each choice a smooth problem: from coarse to fine grids."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, final
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from benchbench.case import Case, Ledger
+from benchbench.guess import first_plan
+from benchbench.margins import measured
+from benchbench.strategy import Result, Strategy
+from benchbench.windows import Windows, coarser
+
+
+@final
+@dataclass(frozen=True)
+class Enumeration(Strategy):
+    """Contact at kappa_init nodes from node k on, k searched; equal steps as in the paper, no complementarity.
+
+    On each of `levels` grids, twice as fine as the one before, the search walks downhill from the window the last one
+    found. With `exhaustive` every window of the finest grid that its lower bound does not rule out is solved as well. The
+    account says how many were solved, ruled out and left; each solve is local. Margins as for `phases`.
+    """
+
+    exhaustive: bool = False
+    levels: Annotated[int, Field(ge=1, le=6)] = 3
+    margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
+
+    def solve(self, case: Case, ledger: Ledger) -> Result:
+        """Search; with margins, walk on from the window that was best without."""
+
+        def search(case: Case, near: Result | None) -> Result:
+            if near is None:
+                return self._search(case, ledger)
+            windows = Windows(case, ledger, near.plan)
+            best = windows.descend(windows.nearest).best
+            return best.telling(**near.account)
+
+        return measured(case, ledger, self.margin, search) if self.margin else self._search(case, ledger)
+
+    def _search(self, case: Case, ledger: Ledger) -> Result:
+        plan = first_plan(case, ledger)
+        for level in coarser(case, self.levels):
+            windows = Windows(level, ledger, plan)
+            windows.descend(windows.nearest)
+            plan = windows.best.plan
+        if self.exhaustive:
+            windows.exhaust()
+        return replace(windows.best, account={"search": windows.account().told("windows")})

@@ -1,0 +1,38 @@
+"""After any strategy: the contact set it found, held, without complementarity; moved while that improves."""
+
+from __future__ import annotations
+
+from typing import Annotated, final
+
+from pydantic import ConfigDict, Field, InstanceOf
+from pydantic.dataclasses import dataclass
+
+from benchbench.case import Case, Ledger
+from benchbench.margins import measured
+from benchbench.strategy import Result, Strategy, judge, planned
+from benchbench.windows import Windows
+
+
+@final
+@dataclass(frozen=True, config=ConfigDict(arbitrary_types_allowed=True))
+class Polish(Strategy):
+    """Run `after`, hold contact at the nodes it found, solve that smooth problem, move the window left and right.
+
+    The result of `after` is returned where it is certified and costs no more. Margins as for `phases`.
+    """
+
+    after: InstanceOf[Strategy]
+    margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
+
+    def solve(self, case: Case, ledger: Ledger) -> Result:
+        """Solve, then walk downhill over windows."""
+        found = planned(self.after, case, ledger)
+
+        def search(case: Case, near: Result | None) -> Result:
+            windows = Windows(case, ledger, (near or found).plan)
+            best = windows.descend(windows.nearest).best
+            return best.telling(search=windows.account().told("windows"))
+
+        polished = measured(case, ledger, self.margin, search) if self.margin else search(case, None)
+        better = polished.objective < found.objective or not judge(found, case).certified
+        return polished if better and polished.claimed else found
