@@ -24,11 +24,16 @@ from benchbench.strategy import Result, pose
 
 @dataclass
 class Windows:
-    """Windows by their first node k: kappa_init nodes from k on; `start` is what a first solve starts from."""
+    """Windows by their first node k: kappa_init nodes from k on.
+
+    start: what a first solve starts from, and any that fails from elsewhere; known: a solved window of nearly the same
+    problem, whose multipliers the first solve starts from.
+    """
 
     case: Case
     ledger: Ledger
     start: Plan
+    known: Result | None = None
     found: dict[int, Result] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -57,6 +62,11 @@ class Windows:
     def centre(self) -> int:
         """First node of the best window."""
         return min(self.found, key=lambda k: self.found[k].objective)
+
+    def solve(self, first: int) -> Result:
+        """Solve one window."""
+        self._solve(first)
+        return self.found[first]
 
     def descend(self, first: int) -> Windows:
         """Solve a window, then neighbours of the best one until both are no better."""
@@ -101,7 +111,7 @@ class Windows:
 
     def _near(self, k: int) -> Result | None:
         good = [other for other, result in self.found.items() if result.claimed]
-        return self.found[min(good, key=lambda other: abs(other - k))] if good else None
+        return self.found[min(good, key=lambda other: abs(other - k))] if good else self.known
 
     def _lowest(self) -> int:
         return int(np.argmin(self.bounds))

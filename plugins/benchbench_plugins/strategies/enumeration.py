@@ -30,14 +30,13 @@ class Enumeration(Strategy):
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
-        """Search; with margins, walk on from the window that was best without."""
+        """Search; where the replay asks for margins, solve the best window again."""
 
         def search(case: Case, near: Result | None) -> Result:
             if near is None:
                 return self._search(case, ledger)
-            windows = Windows(case, ledger, near.plan)
-            best = windows.descend(windows.nearest).best
-            return best.telling(**near.account)
+            windows = Windows(case, ledger, near.plan, near)
+            return windows.solve(windows.nearest).telling(**near.account)
 
         return measured(case, ledger, self.margin, search) if self.margin else self._search(case, ledger)
 

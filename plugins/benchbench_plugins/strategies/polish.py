@@ -25,11 +25,14 @@ class Polish(Strategy):
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
-        """Solve, then walk downhill over windows."""
+        """Solve, then walk downhill over windows; where the replay asks for margins, solve the best one again."""
         found = planned(self.after, case, ledger)
 
         def search(case: Case, near: Result | None) -> Result:
-            windows = Windows(case, ledger, (near or found).plan)
+            if near is not None:
+                windows = Windows(case, ledger, near.plan, near)
+                return windows.solve(windows.nearest).telling(**near.account)
+            windows = Windows(case, ledger, found.plan)
             best = windows.descend(windows.nearest).best
             return best.telling(search=windows.account().told("windows"))
 
