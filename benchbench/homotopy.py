@@ -101,8 +101,8 @@ def homotopy(
             break
     if outcome is None:
         raise ValueError("relaxation.schedule is empty")
-    if best is not None and path.retries:
-        return best
+    if best is not None and path.retries:  # the claim is that of the whole path
+        return replace(best, outcome=replace(best.outcome, claim=outcome.claim, detail=outcome.detail))
     return Solved(outcome, *_original(mpcc, relaxed, outcome.point.x), sigma, relaxed)
 
 

@@ -119,6 +119,19 @@ def test_a_strict_certificate_rejects_what_the_relaxation_leaves(
     assert "product of a complementarity pair" in done.certificate.reasons[0]
 
 
+def test_a_path_that_breaks_off_gives_its_last_good_point_and_claims_nothing(
+    told: dict[str, Any], tmp_path: Path
+) -> None:
+    """Its rows ask for a = b = 0.5, so that G H <= sigma is feasible down to sigma = 0.25 only."""
+    w, p = ca.SX.sym("w", 3), ca.SX.sym("p")
+    rows = ca.vertcat(w[0] - 0.5, w[1] - 0.5)
+    told |= {"g_fun": ca.Function("g", [w, p], [rows]).serialize(), "lbg": [0, 0], "ubg": [0, 0]}
+    done = solved(stored(told, tmp_path / "stuck.json"))
+    assert not done.record["claimed_success"] and done.record["status"] == "infeasible"
+    assert done.record["max_violation"] < 1e-6
+    assert done.record["max_product"] == pytest.approx(0.25, abs=1e-6)
+
+
 def test_a_penalty_is_not_part_of_the_objective(told: dict[str, Any], tmp_path: Path) -> None:
     done = solved(stored(told, tmp_path / "small.json"), "relaxation=l1_penalty", "strategy=relax")
     x = done.result.solved.x  # type: ignore[union-attr]
