@@ -128,6 +128,7 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
     _check_run(cfg, chosen)
     parts = {family: _make(cfg, family) for family in _families(cfg)}
     names = {family: str(chosen.get(family) or "custom") for family in parts if family != "scenario"}
+    names["strategy"] = _nested(names["strategy"], chosen)
     how = {
         **{f: parts[f] for f in ("relaxation", "solver", "strategy")}, "limits": parts["certificate"],
         **{key: cfg[key] for key in (*NUMBERS, *WORDS)},
@@ -136,6 +137,13 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
         ready = parts["scenario"]
         return ReadyCase(scenario=ready, names={"scenario": ready.name, **names}, **how)
     return replace(_flight(parts, names, how), task_hash=task_hash(cfg))
+
+
+def _nested(strategy: str, chosen: Mapping[str, Any]) -> str:
+    """Name of a strategy with those inside it, the outermost first: multistart(polish(relax))."""
+    inner = sorted((key for key in chosen if key.startswith("strategy@strategy.")), key=len)
+    names = [strategy, *(str(chosen[key]) for key in inner)]
+    return "(".join(names) + ")" * len(inner)
 
 
 def _families(cfg: DictConfig) -> list[str]:

@@ -127,6 +127,11 @@ def _solve(case: Case | ReadyCase, ledger: Ledger) -> Result | Outside | Answer:
     return Answer(mpcc, case.strategy.answer(mpcc, case, ledger))
 
 
+def _on_the_grid(case: Case, result: Result | Outside) -> bool:
+    """Whether the plan is one of ours on the scenario's own grid, and so comparable with others."""
+    return isinstance(result, Result) and result.plan.intervals == case.scenario.intervals
+
+
 def _again(case: Case | ReadyCase, watch: Watch | None) -> Ledger:
     ledger = Ledger(case.time_limit, watch, repeated=True)
     _solve(case, ledger)
@@ -159,7 +164,7 @@ def _flight(case: Case, result: Result | Outside | Answer) -> dict[str, Any]:
         "kappa_init": None if isinstance(case.scenario, Race) else case.scenario.kappa_init,
         "travel_time_s": result.plan.travel_time,
         "lower_bound_s": lower_bound(case.scenario, case.model, case.model.plant()),
-        "task_hash": None if isinstance(result, Outside) else case.task_hash,
+        "task_hash": case.task_hash if _on_the_grid(case, result) else None,
     }
 
 

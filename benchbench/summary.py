@@ -147,6 +147,12 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         lines.append(("contact", f"{_contacts(r)}\n{_worst(r)}"))
     if r["search"]:
         lines.append(("search", r["search"]))
+    if r["refinement"]:
+        lines.append(("grids", "\n".join(r["refinement"])))
+    if r["starts"]:
+        certified = f"{r['starts_certified']} of {r['starts']} certified"
+        interval = f"{100 * r['starts_low']:.0f} to {100 * r['starts_high']:.0f} %"
+        lines.append(("starts", "\n".join((f"{certified} (95 % interval {interval})", *r["optima"]))))
     if r["gates"] is not None:
         worst = _scaled(r["gate_worst_miss_m"], 1e3, "mm beyond a gate's edge at worst") or "-"
         lines.append(("gates", f"{r['gates_passed']} of {r['gates']} in order, {worst}"))

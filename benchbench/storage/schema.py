@@ -59,6 +59,12 @@ COLUMNS: tuple[Column, ...] = (
     Column("objective", "float", "", "value of the cost: t_N + c_u sum h |u - u_ref|^2; of a ready-made MPCC its own cost"),
     Column("lower_bound_s", "float", "s", "proved lower bound of the travel time"),
     Column("search", "str", "", "what a strategy that tries candidates tried and proved; empty for others"),
+    Column("starts", "int", "", "starts that strategy=multistart solved from; empty for others"),
+    Column("starts_certified", "int", "", "how many of them ended with a certified plan"),
+    Column("starts_low", "float", "", "lower end of the 95 % Wilson interval of that rate"),
+    Column("starts_high", "float", "", "upper end of the 95 % Wilson interval of that rate"),
+    Column("optima", "strings", "", "distinct optima that the starts found, the best first"),
+    Column("refinement", "strings", "", "what each grid of strategy=refine gave, and whether it settled; empty for others"),
     Column("best_known_s", "float", "s", "best certified travel time known for this task_hash when the run began, rewards taken off"),
     Column("gap_percent", "float", "%", "how far a certified plan is above best_known_s, its rewards taken off; negative: it beats it"),
     # what it cost

@@ -1,0 +1,60 @@
+"""From a coarse grid to finer ones, each started from the last: until the certified travel time settles."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Annotated, final
+
+from pydantic import ConfigDict, Field, InstanceOf
+from pydantic.dataclasses import dataclass
+
+from benchbench.case import Case, Ledger
+from benchbench.errors import IncompatibleCase
+from benchbench.guess import Given
+from benchbench.race.scenario import Race
+from benchbench.strategy import Result, Strategy, judge, planned
+
+
+@final
+@dataclass(frozen=True, config=ConfigDict(arbitrary_types_allowed=True))
+class Refine(Strategy):
+    """Solve by `of` on grids of `coarsest`, twice, four times ... as many intervals, at most `finest`.
+
+    Stops when two grids in a row are certified and their travel times differ by no more than `tolerance`, a share. The
+    intervals of the scenario play no part; kappa_init counts nodes, so ask for contact_seconds where it should last as
+    long on every grid. Returns the finest certified plan, else the finest.
+    """
+
+    of: InstanceOf[Strategy]
+    coarsest: Annotated[int, Field(ge=8)] = 25
+    finest: Annotated[int, Field(ge=8)] = 400
+    tolerance: Annotated[float, Field(gt=0, lt=1)] = 0.005
+
+    def solve(self, case: Case, ledger: Ledger) -> Result:
+        """Solve, judge, refine. Raises IncompatibleCase for a race, whose grid counts intervals per gate."""
+        if isinstance(case.scenario, Race):
+            raise IncompatibleCase("strategy", "'refine' is for handovers", "phases, relax")
+        told: list[str] = []
+        found: list[tuple[Result, bool]] = []
+        intervals = self.coarsest
+        while not found or (intervals <= self.finest and ledger.seconds_left > 0.1):
+            scenario = case.scenario.model_copy(update={"intervals": intervals})
+            level = replace(case, scenario=scenario)
+            if found:
+                level = replace(level, guess=Given(found[-1][0].plan), seed=0)
+            result = planned(self.of, level, ledger)
+            found.append((result, judge(result, level).certified))
+            verdict = "certified" if found[-1][1] else "not certified"
+            told.append(f"N = {intervals}: {result.plan.travel_time:.4f} s, {verdict}")
+            if self._settled(found):
+                told.append(f"settled within {self.tolerance:.2%}")
+                break
+            intervals *= 2
+        best = next((result for result, certified in reversed(found) if certified), found[-1][0])
+        return best.telling(refinement=told)
+
+    def _settled(self, found: list[tuple[Result, bool]]) -> bool:
+        if len(found) < 2 or not all(certified for _, certified in found[-2:]):
+            return False
+        before, after = (result.plan.travel_time for result, _ in found[-2:])
+        return abs(after - before) <= self.tolerance * after

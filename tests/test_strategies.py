@@ -1,0 +1,156 @@
+"""Strategies made of several solves: against exhaustive scans, against what they start from, against themselves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchbench import config, pipeline
+from benchbench.case import Case, Ledger
+from benchbench.certificate.window_bound import window_bounds
+from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.formulation import fixed_window, phase_grid
+from benchbench.guess import first_plan, straight_line
+from benchbench.plan import Plan
+from benchbench.storage.recording import write_mcap
+from benchbench.strategy import Result, judge, planned, pose
+
+N = 12
+SMALL = (f"scenario.intervals={N}", "iteration_limit=150")
+
+
+def case_of(*overrides: str) -> Case:
+    return config.compose("+scenario=static", *SMALL, *overrides)
+
+
+def solve(case: Case) -> Result:
+    return planned(case.strategy, case, Ledger(case.time_limit))
+
+
+@pytest.fixture(scope="module")
+def scan() -> dict[int, Result]:
+    """Every window of a small grid, each solved from a straight line, without bounds and neighbours."""
+    case = case_of("scenario.rate_margin.arm=0", "scenario.contact_margin.position=0")
+    found = {}
+    for k in range(N - 1):
+        line = straight_line(case)
+        progress = np.zeros(N + 1)
+        progress[k : k + 2] = 1.0
+        problem = fixed_window(case, replace(line, progress=progress), (k, k + 1))
+        found[k] = pose(problem, case, Ledger(60.0), f"{k}")
+    return found
+
+
+@pytest.mark.parametrize("exhaustive", [True, False])
+def test_enumeration_finds_the_best_of_all_windows(scan: dict[int, Result], exhaustive: bool) -> None:
+    best = min(result.objective for result in scan.values())
+    found = solve(case_of("strategy=enumeration", "strategy.margin=0", f"strategy.exhaustive={exhaustive}",
+                          "scenario.rate_margin.arm=0", "scenario.contact_margin.position=0"))  # fmt: skip
+    assert found.objective == pytest.approx(best, rel=1e-6)
+    told = found.account["search"]
+    assert told.startswith(f"{N - 1} windows: ")
+    assert ("all were tried" in told) == exhaustive
+
+
+def test_bounds_of_windows_are_below_every_solution(scan: dict[int, Result]) -> None:
+    case = case_of()
+    first = np.arange(N - 1) / N
+    bounds = window_bounds(case.scenario, case.model, case.limits, first, first + 1 / N)
+    solved = {k: result.plan.travel_time for k, result in scan.items() if result.claimed}
+    assert len(solved) >= N // 2
+    assert all(bounds[k] <= travel_time for k, travel_time in solved.items())
+    assert np.all(np.diff(bounds[:4]) <= 0) and np.all(np.diff(bounds[-4:]) >= 0), (
+        "late or early contact costs time"
+    )
+
+
+def test_enumeration_refuses_several_contacts() -> None:
+    case = config.compose("+scenario=delivery", "strategy=enumeration", "scenario.intervals=30")
+    with pytest.raises(IncompatibleCase, match="one contact"):
+        solve(case)
+
+
+def test_polish_is_no_worse_than_what_it_polishes() -> None:
+    early = "scenario.contact_guess=0.3"
+    relaxed = solve(case_of("strategy=relax", "guess=line", early))
+    polished = solve(case_of("strategy=polish", "guess=line", early))
+    assert polished.objective <= relaxed.objective + 1e-9
+
+
+def test_refine_stops_when_it_has_settled() -> None:
+    case = config.compose(
+        "+scenario=static", "strategy=refine", "strategy.coarsest=100", "strategy.finest=400"
+    )
+    found = solve(case)
+    assert found.plan.intervals == 200
+    assert judge(found, case).certified
+    assert [line.split(":")[0] for line in found.account["refinement"]] == [
+        "N = 100",
+        "N = 200",
+        "settled within 0.50%",
+    ]
+
+
+def test_refine_stops_at_the_finest_grid_without_a_certificate() -> None:
+    done = pipeline.run(case_of("strategy=refine", "strategy.coarsest=8", "strategy.finest=20"))
+    assert done.record["intervals"] == 16
+    assert [line.split(", ")[1] for line in done.record["refinement"]] == ["not certified", "not certified"]
+    assert done.record["task_hash"] is None, "on another grid than the scenario's"
+
+
+def test_multistart_is_reproducible_and_counts() -> None:
+    overrides = ("strategy=multistart", "strategy.starts=3", "strategy.of.margin=0", "seed=2")
+    one, again = (solve(case_of(*overrides)) for _ in range(2))
+    assert one.account == again.account
+    assert np.array_equal(one.plan.configuration, again.plan.configuration)
+    assert one.account["starts"] == 3
+    assert one.account["starts_low"] <= one.account["starts_certified"] / 3 <= one.account["starts_high"]
+    alone = [solve(case_of("strategy=phases", "strategy.margin=0", f"seed={seed}")) for seed in (6, 7, 8)]
+    assert one.objective == min(result.objective for result in alone)
+    assert sum(int(text.split(": ")[1].split()[0]) for text in one.account["optima"]) == 3
+
+
+def test_strategies_nest_and_are_named_so() -> None:
+    case = case_of("strategy=multistart", "strategy@strategy.of=polish", "strategy@strategy.of.after=relax")
+    assert case.names["strategy"] == "multistart(polish(relax))"
+    assert case.names["guess"] == "phases", "the innermost strategy chooses the guess"
+    assert case_of("strategy=polish", "guess=line").names["guess"] == "line"
+
+
+def test_margins_follow_the_replay() -> None:
+    bare, held = (
+        config.compose("+scenario=circle", "strategy=phases", f"strategy.margin={most}")
+        for most in (1e-9, 0.5)
+    )
+    first, second = (solve(case) for case in (bare, held))
+    assert [check.name for check in judge(first, bare).checks if not check.ok] == ["replay_rate"]
+    assert judge(second, held).certified
+    assert 0 < second.plan.travel_time - first.plan.travel_time < 0.002
+
+
+def test_phases_are_as_long_as_in_the_plan_they_start_from() -> None:
+    case = case_of("seed=4")
+    start = first_plan(case, Ledger(60.0))
+    grid, _, _ = phase_grid(case, start, case.scenario.itinerary.listed)
+    first, last = start.contacts[0]
+    assert grid.phases[0].guess == pytest.approx(start.time[[first, last]].mean())
+    assert start.travel_time != pytest.approx(case.scenario.travel_time_guess, rel=1e-3)
+
+
+def test_seed_zero_is_the_guess_itself() -> None:
+    case = case_of()
+    plan = straight_line(case)
+    assert np.array_equal(first_plan(case, Ledger(60.0)).configuration, plan.configuration)
+
+
+def test_previous_reads_the_plan_of_a_run(tmp_path: Path) -> None:
+    case = case_of()
+    plan = straight_line(case)
+    write_mcap(tmp_path / "plan.mcap", plan, None, case.scenario, case.model, {})
+    read: Plan = first_plan(case_of("guess=previous", f"guess.path={tmp_path}"), Ledger(60.0))
+    assert np.allclose(read.configuration, plan.configuration)
+    with pytest.raises(BadInput, match=r"guess\.path"):
+        first_plan(case_of("guess=previous", f"guess.path={tmp_path / 'none'}"), Ledger(60.0))
