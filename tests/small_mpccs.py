@@ -78,7 +78,7 @@ def by_hand() -> list[Small]:
         Small("academic", problem([2.0, 4.0], lambda x: 4 * x[0] + 2 * x[1], lambda x: [x[0], x[1]],
                                   lambda x: [5 * np.sqrt(2) - x[0] - x[1], 5 - x[0] - x[1]], 0.0,
                                   below=lambda x: [3 - x[0] - x[1]], kind="vanishing"), 10.0,
-              note="(0, 5); (0, 5 sqrt 2) with f = 14.1 is a local minimum (Achtziger & Kanzow 2008)"),
+              note="(0, 5); (0, 5 sqrt 2) with f = 14.1 is only weakly stationary, and a trap (Achtziger & Kanzow 2008)"),
         Small("held", problem([1.0, 1.5], lambda x: (x[0] - 2) ** 2 + (x[1] - 2) ** 2, x0, lambda x: [x[1] - 1],
                               kind="vanishing"), 1.0, note="(2, 1): the condition holds"),
         Small("inside", problem([1.0, 1.5], lambda x: (x[0] - 1) ** 2 + (x[1] + 1) ** 2, x0, lambda x: [x[1] - 1],

@@ -317,7 +317,7 @@ SOLVED = {  # name: (of 12 by hand, of 13 in pympcc)
     **dict.fromkeys(NAMES, (12, 13)),
     # ralph1 and scholtes4 have no multipliers: min(G, H) shrinks like sigma^(1/3) only and ends at 4e-3
     "augmented_lagrangian": (11, 12),
-    # exact but near the corner, so it stays in the local minimum of "academic"
+    # exact but near the corner, so it stays in the trap of "academic"
     "steffensen_ulbrich": (11, 13),
     # a fixed limit of 0.01 on G H: right only where the optimum does not depend on it
     "paper": (4, 6),
