@@ -82,11 +82,9 @@ def homotopy(
                 relaxed = smoothed.mpcc
                 solve = _prepare(relaxed, case, ledger, watch)
             point = Point(np.clip(point.x, relaxed.lower, relaxed.upper))
-        outcome = solve(sigma, point)
+        outcome = _finite(solve(sigma, point), point)
         ledger.count(outcome, stage)
         ledger.step(stage, sigma, _travel_time(outcome, where))
-        if not np.all(np.isfinite(outcome.point.x)):
-            outcome = replace(outcome, claim="invalid", point=point)
         if outcome.claim in GOOD:
             point = Point(outcome.point.x)
         if outcome.claim == "solved":
@@ -104,6 +102,13 @@ def homotopy(
     if best is not None and path.retries:  # the claim is that of the whole path
         return replace(best, outcome=replace(best.outcome, claim=outcome.claim, detail=outcome.detail))
     return Solved(outcome, *_original(mpcc, relaxed, outcome.point.x), sigma, relaxed)
+
+
+def _finite(outcome: Outcome, start: Point) -> Outcome:
+    """The outcome; one that is no number is invalid and stays where it started."""
+    if np.all(np.isfinite(outcome.point.x)):
+        return outcome
+    return replace(outcome, claim="invalid", point=start)
 
 
 def _original(mpcc: Mpcc, relaxed: Mpcc, x: Array) -> tuple[dict[str, Array], Array]:
