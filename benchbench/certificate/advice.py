@@ -12,7 +12,7 @@ ADVICE = (
     ("complementarity", "end relaxation.schedule with a smaller sigma, or take another relaxation"),
     ("planned", "raise accuracy, iteration_limit or time_limit"),
     ("defect", FINER),
-    ("replay_rate", f"raise scenario.rate_margin of that coordinate, or {FINER}"),
+    ("replay_rate", f"{FINER}; with strategy=relax raise scenario.rate_margin of that coordinate"),
     ("replay", FINER),
     ("contact_node", "end relaxation.schedule with a smaller sigma, or start from another guess"),
     (
@@ -21,7 +21,7 @@ ADVICE = (
     ),
     ("contact_progress", "take guess=phases or strategy=phases, or another relaxation"),
     ("contact_seconds", "take strategy=phases, which holds the contact for scenario.contact_seconds"),
-    ("contact", f"raise scenario.contact_margin of that contact, or {FINER}"),
+    ("contact", f"{FINER}; with strategy=relax raise scenario.contact_margin of that contact"),
     ("segment", FINER),
     ("gate", f"{FINER}; raise scenario.gate_margin"),
     ("path", "raise accuracy or iteration_limit"),
