@@ -101,6 +101,8 @@ class Ledger:
     watch: Watch | None = None
     build_cpu: float = 0.0
     derivatives_cpu: float = 0.0
+    judging_cpu: float = 0.0
+    """Certificates that a strategy looked at on its way."""
     solves: list[Spent] = field(default_factory=list)
     iterations: int = 0
     evaluations: int = 0
@@ -118,6 +120,13 @@ class Ledger:
             yield
         self.build_cpu += cpu_s() - before
         self.derivatives_cpu += parts.get(DERIVATIVES, 0.0)
+
+    @contextmanager
+    def judging(self) -> Iterator[None]:
+        """Count the CPU time of the body as certificate."""
+        before = cpu_s()
+        yield
+        self.judging_cpu += cpu_s() - before
 
     def count(self, outcome: Outcome, stage: str = "") -> None:
         """Add a solve; a stage whose name begins with "guess" only makes an initial guess."""

@@ -37,7 +37,7 @@ def measured(
     for _ in range(ROUNDS):
         if not last.claimed or ledger.seconds_left <= 0.1:
             return first
-        certificate = judge(last, case)
+        certificate = judge(last, case, ledger)
         if certificate.certified:
             return last
         raised = _raised(margins, certificate, case)
@@ -45,7 +45,7 @@ def measured(
             return first
         margins = raised
         last = solve(_with(case, margins), last)
-    return last if last.claimed and judge(last, case).certified else first
+    return last if last.claimed and judge(last, case, ledger).certified else first
 
 
 def _with(case: Case, margins: Margins) -> Case:

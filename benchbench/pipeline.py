@@ -71,7 +71,8 @@ def run(
     certificate = _judge(case, result)
     first_order = _first_order(case, result)
     told = _flight(case, result) if isinstance(case, Case) else {}
-    costs = {"certificate_cpu_s": time.process_time() - judged, "wall_s": time.perf_counter() - began}
+    judging = ledger.judging_cpu + time.process_time() - judged
+    costs = {"certificate_cpu_s": judging, "wall_s": time.perf_counter() - began}
     record = _record(
         case,
         result,

@@ -112,10 +112,11 @@ def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
     return pose(problem, case, ledger, "guess: window", found)
 
 
-def judge(result: Result, case: Case) -> Certificate:
+def judge(result: Result, case: Case, ledger: Ledger) -> Certificate:
     """Return the certificate of a result: the same for strategies that look at it as for the record."""
-    found = residuals(result.problem.mpcc, result.solved.x)
-    return certify(result.plan, case.scenario, case.model, case.limits, found)
+    with ledger.judging():
+        found = residuals(result.problem.mpcc, result.solved.x)
+        return certify(result.plan, case.scenario, case.model, case.limits, found)
 
 
 def retried(

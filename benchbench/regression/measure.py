@@ -33,8 +33,8 @@ def measure(overrides: Sequence[str], repeats: int, reference: Reference) -> Ent
 
 
 def _solve_cpu(case: Case) -> float:
-    """CPU seconds of everything but construction, whatever the backend says of its own time."""
+    """CPU seconds of everything but construction and certificates, whatever the backend says of its own time."""
     ledger = Ledger(case.time_limit)
     began = time.process_time()
     case.strategy.solve(case, ledger)
-    return time.process_time() - began - ledger.build_cpu
+    return time.process_time() - began - ledger.build_cpu - ledger.judging_cpu

@@ -33,7 +33,7 @@ class Multistart(Strategy):
         found: list[tuple[Result, bool]] = []
         for i in range(self.starts):
             result = planned(self.of, replace(case, seed=case.seed * self.starts + i), ledger)
-            found.append((result, judge(result, case).certified))
+            found.append((result, judge(result, case, ledger).certified))
             if ledger.seconds_left <= 0.1:
                 break
         best, _ = min(found, key=lambda one: (not one[1], one[0].objective))

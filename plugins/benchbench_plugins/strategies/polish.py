@@ -37,5 +37,5 @@ class Polish(Strategy):
             return best.telling(search=windows.account().told("windows"))
 
         polished = measured(case, ledger, self.margin, search) if self.margin else search(case, None)
-        better = polished.objective < found.objective or not judge(found, case).certified
+        better = polished.objective < found.objective or not judge(found, case, ledger).certified
         return polished if better and polished.claimed else found

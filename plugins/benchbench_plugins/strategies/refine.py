@@ -43,7 +43,7 @@ class Refine(Strategy):
             if found:
                 level = replace(level, guess=Given(found[-1][0].plan), seed=0)
             result = planned(self.of, level, ledger)
-            found.append((result, judge(result, level).certified))
+            found.append((result, judge(result, level, ledger).certified))
             verdict = "certified" if found[-1][1] else "not certified"
             told.append(f"N = {intervals}: {result.plan.travel_time:.4f} s, {verdict}")
             if self._settled(found):
