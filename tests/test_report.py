@@ -168,7 +168,7 @@ def test_a_replay_that_runs_away_does_not_set_the_scale() -> None:
 def test_one_run(results: Path) -> None:
     only(results, 1, certified=True)
     report = content([results], "One", 5)
-    assert len(report.plans) == 1 and report.runs.method.tolist() == ["scholtes / ipopt"]
+    assert len(report.plans) == 1 and report.runs.method.tolist() == ["ipopt"]
     assert "<title>One</title>" in render(report)
 
 

@@ -86,7 +86,7 @@ def test_refine_stops_when_it_has_settled() -> None:
     )
     found = solve(case)
     assert found.plan.intervals == 200
-    assert judge(found, case).certified
+    assert judge(found, case, Ledger(60.0)).certified
     assert [line.split(":")[0] for line in found.account["refinement"]] == [
         "N = 100",
         "N = 200",
@@ -126,8 +126,10 @@ def test_margins_follow_the_replay() -> None:
         for most in (1e-9, 0.5)
     )
     first, second = (solve(case) for case in (bare, held))
-    assert [check.name for check in judge(first, bare).checks if not check.ok] == ["replay_rate"]
-    assert judge(second, held).certified
+    assert [check.name for check in judge(first, bare, Ledger(60.0)).checks if not check.ok] == [
+        "replay_rate"
+    ]
+    assert judge(second, held, Ledger(60.0)).certified
     assert 0 < second.plan.travel_time - first.plan.travel_time < 0.002
 
 
