@@ -20,8 +20,8 @@ from benchbench.guess import Guess
 from benchbench.model import Model
 from benchbench.motion import Motion
 from benchbench.peer import Peer
-from benchbench.registry import FAMILIES, installed
 from benchbench.ready import ReadyMade
+from benchbench.registry import FAMILIES, installed
 from benchbench.relaxation import Relaxation
 from benchbench.solver import Solver
 from benchbench.strategy import Strategy
