@@ -26,6 +26,10 @@ TO_CONTACT = 13 / 12
 """Intervals of a leg that ends in a contact over those of the last leg: 52 to 48 for one contact. What is flown before a
 contact must be flown more accurately than what comes after it."""
 
+CONTACT_STEP = 0.06
+"""Longest interval of a contact in s. Its conditions are kept at nodes: over 0.11 s (N = 25) the relative speed in between
+reaches 0.05 m/s where 0.015 are allowed, over 0.055 s (N = 50) it stays below."""
+
 Windows = Mapping[str, tuple[int, ...]]
 """Nodes in contact by the name of the stop."""
 
@@ -128,9 +132,13 @@ def phase_grid(case: Case, start: Plan, made: Sequence[Stop]) -> tuple[Grid, Win
 
 
 def _contact_intervals(stop: Stop, per_second: float, total: int) -> int:
-    """Intervals of a contact: between kappa_init nodes, and where it lasts for seconds, no longer than the average."""
+    """Intervals of a contact: between kappa_init nodes, and where it lasts for seconds, no longer than the average.
+
+    On a coarse grid more, so that none is longer than `CONTACT_STEP`.
+    """
     if stop.contact_seconds is None:
-        return stop.kappa_init - 1
+        steps = stop.kappa_init - 1
+        return max(steps, int(np.ceil(steps / per_second / CONTACT_STEP)))
     wanted = min(int(np.ceil(stop.contact_seconds * per_second)), total // 4)
     return max(stop.kappa_init - 1, wanted, 1)
 
