@@ -134,11 +134,11 @@ def phase_grid(case: Case, start: Plan, made: Sequence[Stop]) -> tuple[Grid, Win
 def _contact_intervals(stop: Stop, per_second: float, total: int) -> int:
     """Intervals of a contact: between kappa_init nodes, and where it lasts for seconds, no longer than the average.
 
-    On a coarse grid more, so that none is longer than `CONTACT_STEP`.
+    On a coarse grid more, so that none is longer than `CONTACT_STEP`, up to a quarter of all.
     """
     if stop.contact_seconds is None:
         steps = stop.kappa_init - 1
-        return max(steps, int(np.ceil(steps / per_second / CONTACT_STEP)))
+        return max(steps, min(int(np.ceil(steps / per_second / CONTACT_STEP)), total // 4))
     wanted = min(int(np.ceil(stop.contact_seconds * per_second)), total // 4)
     return max(stop.kappa_init - 1, wanted, 1)
 
