@@ -1,12 +1,18 @@
-"""Do strategies end certified, and with the best known travel time, from any start?
+"""Do strategies, and relaxations, end certified and with the best known travel time, from any start?
 
     OMP_NUM_THREADS=1 python benchmarks/robustness.py
-    OMP_NUM_THREADS=1 python benchmarks/robustness.py --strategies phases --grids 100 --seeds 3
+    OMP_NUM_THREADS=1 python benchmarks/robustness.py --strategies phases --grids 100 --seeds 1 2 3
+    OMP_NUM_THREADS=1 python benchmarks/robustness.py --strategies relaxation=scholtes,paper --by method
+    OMP_NUM_THREADS=1 python benchmarks/robustness.py --only-table --by method N
 
 One ordinary, isolated, resumable sweep per strategy: scenarios x N x seeds; a seed above 0 disturbs contact time, travel
-time, path and inputs of the start. Prints a Markdown table: runs certified, runs within 0.5 % of the best known, the
-largest gap, the median and the largest CPU time of a run's solves. The best known of a task is the best certified one of
-these runs and of results/best_known.yaml.
+time, path and inputs of the start. A strategy may be any overrides: `relaxation=NAME` takes strategy=relax and guess=phases
+with it, so its seeds disturb the plan of phases. A run counts as done only for the commit that made it (docs/sweeps.md):
+where commits go on, run this in a clone of its own.
+
+Prints a Markdown table of all runs in the folder, one line per method, scenario and N, or per `--by`. The best known travel
+time of a task is the best certified one of these runs and of results/best_known.yaml; travel times and their spread are
+those of claimed plans, certified or not. CPU seconds and iterations are those of a run's solvers, guess included.
 """
 
 from __future__ import annotations
@@ -14,6 +20,7 @@ from __future__ import annotations
 import argparse
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -21,38 +28,73 @@ import pandas as pd
 from benchbench.storage.table import read
 
 SCENARIOS = ("static", "linear", "circle")
+GRIDS, SEEDS = (100, 150, 200), tuple(range(1, 11))
+RELAXATIONS = (
+    "augmented_lagrangian,chen_chen_kanzow,direct,elastic,fischer_burmeister,kadrani,kanzow_schwartz,l1_penalty,"
+    "lin_fukushima,natural_residual,paper,scholtes,steffensen_ulbrich"
+)
+"""All that IPOPT can solve, for `--strategies relaxation=all`."""
+RELAXING = ("relax", "warm", "continuation")
+"""Strategies, or parts of their names, in which the relaxation plays a part."""
 ALLOWED = 0.005
+BY = {"method": "method", "scenario": "scenario", "N": "intervals", "seed": "seed"}
+"""What lines of the table can be told apart by, and its column."""
+HEAD = (
+    "runs", "claimed", "certified", "within 0.5 %", "travel time s", "spread", "largest gap", "iterations", "CPU s", "most",
+)  # fmt: skip
 
 
-def sweep(root: Path, strategy: str, grids: list[int], seeds: int) -> None:
+def sweep(root: Path, strategy: str, grids: Sequence[int], seeds: Sequence[int], more: Sequence[str]) -> None:
     """Run one strategy on all scenarios, grids and seeds."""
+    asked = strategy if "=" in strategy else f"strategy={strategy}"
     command = [
-        sys.executable, "-m", "benchbench", "-m", f"+scenario={','.join(SCENARIOS)}", *strategy.split(),
-        f"scenario.intervals={','.join(map(str, grids))}", f"seed={','.join(map(str, range(1, seeds + 1)))}",
-        f"output={root}",
+        sys.executable, "-m", "benchbench", "-m", f"+scenario={','.join(SCENARIOS)}",
+        *asked.replace("relaxation=all", f"relaxation={RELAXATIONS}").split(),
+        f"scenario.intervals={','.join(map(str, grids))}", f"seed={','.join(map(str, seeds))}", *more, f"output={root}",
     ]  # fmt: skip
     subprocess.run(command, check=False)
 
 
-def table(runs: pd.DataFrame) -> str:
-    """One line per strategy, scenario and grid."""
-    lines = [
-        "| strategy | scenario | N | certified | within 0.5 % | best known s | largest gap | solve CPU s, median | largest |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
-    certified = runs[runs.certified.fillna(False)]
-    for (strategy, scenario, n), group in runs.groupby(["strategy", "scenario", "intervals"], sort=False):
-        same = certified[(certified.scenario == scenario) & (certified.intervals == n)].travel_time_s.min()
-        best = min(same, group.best_known_s.min()) if group.best_known_s.notna().any() else same
-        good = group[group.certified.fillna(False)]
-        gaps = good.travel_time_s / best - 1
-        near, worst = int((gaps <= ALLOWED).sum()), f"{100 * gaps.max():.3f} %" if len(gaps) else "-"
-        cpu = group.solve_cpu_s
-        lines.append(
-            f"| {strategy} | {scenario} | {n} | {len(good)}/{len(group)} | {near}/{len(group)} | {best:.4f} | {worst} "
-            f"| {cpu.median():.2f} | {cpu.max():.2f} |"
-        )
+def judged(rows: pd.DataFrame) -> pd.DataFrame:
+    """The latest row of each configuration, with `method`, and `gap` of a certified one to the best of its task."""
+    runs = rows.sort_values("started_at").drop_duplicates("config_hash", keep="last")
+    runs = runs.assign(certified=runs.certified.fillna(False), claimed=runs.claimed_success.fillna(False))
+    times = runs.travel_time_s.where(runs.certified.astype(bool))
+    best = times.groupby(runs.task_hash).transform("min").combine(runs.best_known_s, min_of)
+    method = [_method(*names) for names in zip(runs.strategy, runs.relaxation, strict=True)]
+    return runs.assign(method=method, gap=times / best - 1)
+
+
+def min_of(one: float, other: float) -> float:
+    """The smaller of two numbers, the other one where one is NaN."""
+    return min((x for x in (one, other) if not pd.isna(x)), default=float("nan"))
+
+
+def table(runs: pd.DataFrame, by: Sequence[str]) -> str:
+    """One line per combination of `by`."""
+    groups = runs.groupby([BY[name] for name in by], sort=True, dropna=False)
+    lines = [f"| {' | '.join((*by, *HEAD))} |", "|---" * (len(by) + len(HEAD)) + "|"]
+    lines += [f"| {' | '.join(map(str, (*names, *_cells(group))))} |" for names, group in groups]
     return "\n".join(lines)
+
+
+def _method(strategy: object, relaxation: object) -> str:
+    """The strategy, and the relaxation where it plays a part."""
+    name = str(strategy)
+    return f"{name}: {relaxation}" if any(part in name for part in RELAXING) else name
+
+
+def _cells(group: pd.DataFrame) -> tuple[object, ...]:
+    near, gaps = int((group.gap <= ALLOWED).sum()), group.gap.dropna()
+    claimed = group[group.claimed.astype(bool)]
+    one_task = group.task_hash.nunique() == 1 and len(claimed)
+    times = claimed.travel_time_s
+    return (
+        len(group), len(claimed), int(group.certified.sum()), near, f"{times.median():.4f}" if one_task else "-",
+        f"{100 * (times.max() / times.min() - 1):.3f} %" if one_task else "-",
+        f"{100 * gaps.max():.3f} %" if len(gaps) else "-",
+        f"{group.iterations.median():.0f}", f"{group.solve_cpu_s.median():.2f}", f"{group.solve_cpu_s.max():.2f}",
+    )  # fmt: skip
 
 
 def main() -> None:
@@ -61,15 +103,16 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--output", type=Path, default=Path("results/robustness"))
-    parser.add_argument(
-        "--strategies", nargs="+", default=["strategy=phases", "strategy=enumeration"], metavar="OVERRIDES"
-    )
-    parser.add_argument("--grids", nargs="+", type=int, default=[100, 150, 200])
-    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--strategies", nargs="+", default=["phases", "enumeration"], metavar="OVERRIDES")
+    parser.add_argument("--grids", nargs="+", type=int, default=GRIDS, metavar="N")
+    parser.add_argument("--seeds", nargs="+", type=int, default=SEEDS, metavar="SEED")
+    parser.add_argument("--with", nargs="+", default=[], dest="more", metavar="OVERRIDE")
+    parser.add_argument("--by", nargs="+", default=["method", "scenario", "N"], choices=BY)
+    parser.add_argument("--only-table", action="store_true", help="run nothing")
     asked = parser.parse_args()
-    for strategy in asked.strategies:
-        sweep(asked.output, strategy if "=" in strategy else f"strategy={strategy}", asked.grids, asked.seeds)
-    print(table(read(asked.output)))
+    for strategy in [] if asked.only_table else asked.strategies:
+        sweep(asked.output, strategy, asked.grids, asked.seeds, asked.more)
+    print(table(judged(read(asked.output)), asked.by))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,62 @@
+"""The table of `benchmarks/robustness.py`: relaxations are told apart, a repeated run counts once, gaps are honest."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from test_table import row
+
+from benchbench.storage.table import append, read
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
+
+from robustness import judged, table
+
+
+@pytest.fixture
+def lines(tmp_path: Path) -> list[list[str]]:
+    """Cells of a table by method of seven rows of one task: its best is 2.5 s, of a plan of phases."""
+    for number, values in enumerate(ROWS):
+        standard = {"task_hash": "one", "config_hash": str(number), "seed": 1, "iterations": 10}
+        append(row(f"{number:03}", **{**standard, **values}), tmp_path)
+    found = table(judged(read(tmp_path)), ["method"]).splitlines()
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in found]
+
+
+ROWS: tuple[dict[str, Any], ...] = (
+    {"strategy": "phases", "travel_time_s": 2.5, "config_hash": "again"},
+    {"strategy": "phases", "travel_time_s": 2.5, "config_hash": "again"},
+    {"relaxation": "paper", "travel_time_s": 2.51},
+    {"relaxation": "paper", "travel_time_s": 2.6},
+    {"relaxation": "paper", "travel_time_s": 2.0, "certified": False, "status": "uncertified"},
+    {"relaxation": "direct", "travel_time_s": None, "certified": False, "claimed_success": False},
+    {
+        "relaxation": "direct",
+        "task_hash": None,
+        "certified": None,
+        "claimed_success": None,
+        "status": "crash",
+    },
+)
+
+
+def test_one_line_per_relaxation_and_one_count_per_run(lines: list[list[str]]) -> None:
+    names = [line[0] for line in lines[2:]]
+    assert names == ["phases", "relax: direct", "relax: paper"]
+    assert [line[1:5] for line in lines[2:]] == [
+        ["1", "1", "1", "1"],
+        ["2", "0", "0", "0"],
+        ["3", "3", "2", "1"],
+    ]
+
+
+def test_gaps_and_travel_times(lines: list[list[str]]) -> None:
+    """An uncertified plan is no reference; the travel times of claimed plans show how far apart they are."""
+    cells = {line[0]: dict(zip(lines[0], line, strict=True)) for line in lines[2:]}
+    assert cells["relax: paper"]["largest gap"] == "4.000 %"
+    assert cells["relax: paper"]["travel time s"] == "2.5100"
+    assert cells["relax: paper"]["spread"] == "30.000 %"
+    assert cells["relax: direct"]["largest gap"] == "-"
