@@ -15,11 +15,13 @@ from benchbench.analysis.naming import flatten, name_runs
 from benchbench.case import Case
 from benchbench.errors import BadInput
 from benchbench.hydra_errors import EXPECTED
+from benchbench.race.scenario import Race
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.html.page import PlanView, Report
 from benchbench.report.html.plans.limits import limits
 from benchbench.report.html.plans.view import view
 from benchbench.report.limits_panel import contact_panels, limit_panels
+from benchbench.report.race_panels import race_panels
 from benchbench.report.views import scene
 from benchbench.storage.collect import collect
 from benchbench.storage.configuration import configuration
@@ -33,6 +35,7 @@ FACTS = {
     "best known": ("best_known_s", 1.0, "s"), "above it": ("gap_percent", 1.0, "%"),
     "iterations": ("iterations", 1.0, ""), "solver": ("solve_cpu_s", 1.0, "s CPU"),
     "error of one interval": ("replay_defect_position_m", 1e3, "mm"),
+    "drift of the replay": ("replay_drift_position_m", 1e3, "mm"), "beyond a gate's edge": ("gate_worst_miss_m", 1e3, "mm"),
     "distance in contact": ("contact_max_distance_m", 1e3, "mm"),
     "relative speed in contact": ("contact_max_speed_gap_mps", 1e3, "mm/s"),
 }  # fmt: skip
@@ -91,9 +94,13 @@ def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, A
     if not isinstance(case, Case):
         raise ValueError("it is no flight")
     plan, flight, scenario, model = recording.plan, recording.flight, case.scenario, case.model
-    panels = [
-        *contact_panels(plan, scenario, model, flight), *limit_panels(plan, scenario, model, flight),
-    ]  # fmt: skip
+    if isinstance(scenario, Race):
+        panels = race_panels(plan, scenario, model, flight)
+    else:
+        panels = [
+            *contact_panels(plan, scenario, model, flight),
+            *limit_panels(plan, scenario, model, flight),
+        ]
     windows = [(float(plan.time[a]), float(plan.time[b])) for a, b in contact_windows(plan)]
     return PlanView(
         run_id=str(record["run_id"]),

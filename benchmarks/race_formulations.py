@@ -1,9 +1,9 @@
 """Progress variables, cold and warm, against phases on the first gates of the public track, as a Markdown table.
 
-    OMP_NUM_THREADS=1 python benchmarks/race_formulations.py results/race_formulations.csv
+    OMP_NUM_THREADS=1 python benchmarks/race_formulations.py docs/race_figure.csv
 
 Flat limits, 40 nodes per gate, one thread; CPU s are all-in (construction, guess, every solve), medians of three. Rows
-are kept in the CSV file and not run again. All forms keep a gate to its radius at a node, so the radii are matched; `miss`
+are kept in the CSV file, which may be that of `race_figure.py`, and not run again. All forms keep a gate to its radius at a node, so the radii are matched; `miss`
 is the largest distance beyond one on the replay.
 """
 
@@ -14,7 +14,7 @@ from pathlib import Path
 
 from race_runs import METHODS, Run, append, child, middle, read
 
-GATES, NODES, REPEATS, TIME_LIMIT = (1, 2, 3, 4), 40, 3, 300.0
+GATES, NODES, REPEATS, CPU_LIMIT = (1, 2, 3, 4), 40, 3, 300.0
 
 
 def main(path: Path, prefix: list[str]) -> None:
@@ -23,8 +23,8 @@ def main(path: Path, prefix: list[str]) -> None:
         for gates in GATES:
             for method in METHODS:
                 if (method, gates, NODES, repeat) not in {run.key for run in read(path)}:
-                    append(path, child(method, gates, NODES, repeat, TIME_LIMIT, prefix))
-    runs = read(path)
+                    append(path, child(method, gates, NODES, repeat, CPU_LIMIT, prefix))
+    runs = [run for run in read(path) if run.nodes == NODES]
     print(
         "| gates | method | travel time s | above phases | iterations | CPU s | of cold | miss mm | drift mm | |"
     )

@@ -98,6 +98,7 @@ def test_the_public_track_repeats_its_lap() -> None:
         ("x,y,z\n", "has no gates"),
         ("", "header ''"),
         ("x,y,z,radius\n1,2,3,0\n", "radius: 0 m"),
+        ("x,y,z,radius\n1,2,3,nan\n", "radius: 'nan' was given; allowed: a radius above 0 m"),
         ("x,y,z,order\n1,2,3,1\n2,2,3,1\n", "order"),
     ],
 )
@@ -136,6 +137,10 @@ def test_bad_yaml_is_refused_with_its_place(tmp_path: Path, text: str, said: str
         ("scenario.gates=6", "the end is where gate 6 is"),
         ("scenario.gates=0", "scenario.gates: 0 was given"),
         ("scenario.end_velocity=fast", "free, rest"),
+        ("scenario.end_velocity=[1,2]", r"scenario.end_velocity: \[1, 2\] was given; allowed: free, rest"),
+        ("scenario.end_velocity=[1,2,nan]", "scenario.end_velocity: .* allowed: free, rest"),
+        ("scenario.track=3", "scenario.track: 3 was given; allowed: a list of gates, or the path"),
+        ("scenario.track=null", "scenario.track: None was given"),
         ("+scenario.kappa_init=3", "scenario.kappa_init: means nothing in a race"),
         ("+scenario.intervals=30", "nodes_per_gate"),
         ("scenario.radius=-1", "scenario.radius"),

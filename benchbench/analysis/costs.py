@@ -16,6 +16,13 @@ def solve_time(runs: pd.DataFrame) -> pd.Series:
     return median if median.notna().any() and median[once.notna()].notna().all() else once
 
 
+def plan_time(runs: pd.DataFrame) -> pd.Series:
+    """CPU time (s) of construction and solver; medians of the repeats where `solve_time` takes those."""
+    solve = solve_time(runs)
+    repeated = solve.equals(runs.solve_cpu_median_s.astype(float))
+    return solve + (runs.build_cpu_median_s if repeated else runs.build_cpu_s).astype(float)
+
+
 def by_work(runs: pd.DataFrame) -> pd.DataFrame:
     """CPU time (s) of each run by kind of work; columns that add up to all of it, NaN in a run without times.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -34,8 +34,8 @@ def name_runs(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> pd.Dat
     choice differ. settings: the configuration of each run, None where it is not known.
     """
     choices = {family: _with_options(runs, settings, family) for family in (*METHOD, *PROBLEM)}
-    general = _options(settings, range(len(runs)), lambda name: "." not in name and name not in NEITHER)
-    judged = _options(settings, range(len(runs)), lambda name: name.startswith("certificate."))
+    general = options(settings, range(len(runs)), lambda name: "." not in name and name not in NEITHER)
+    judged = options(settings, range(len(runs)), lambda name: name.startswith("certificate."))
     method = _join([*_varying({f: choices[f] for f in METHOD}, ("relaxation", "solver")), general])
     task = _join([*_varying({f: choices[f] for f in PROBLEM}, ("scenario",)), judged])
     numbers = [[_number(label, value) for value in runs[column]] for column, label in NUMBERS.items()]
@@ -49,7 +49,7 @@ def _with_options(runs: pd.DataFrame, settings: Sequence[Settings | None], famil
     names = [str(name) if isinstance(name, str) else "unknown" for name in runs[family]]
     for choice in set(names):
         same = [i for i, name in enumerate(names) if name == choice]
-        for i, text in zip(same, _options(settings, same, lambda name: _optional(name, family)), strict=True):
+        for i, text in zip(same, options(settings, same, lambda name: _optional(name, family)), strict=True):
             names[i] += f" ({text})" if text else ""
     return names
 
@@ -59,7 +59,9 @@ def _optional(name: str, family: str) -> bool:
     return section == family and option not in ("name", *NUMBERS)
 
 
-def _options(settings: Sequence[Settings | None], among: Sequence[int], wanted: Any) -> list[str]:
+def options(
+    settings: Sequence[Settings | None], among: Sequence[int], wanted: Callable[[str], bool]
+) -> list[str]:
     """For each of the runs `among`, its values of the wanted fields that differ among them."""
     known = [settings[i] for i in among]
     fields = sorted({name for one in known if one is not None for name in one if wanted(name)})

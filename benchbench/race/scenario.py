@@ -16,7 +16,7 @@ from benchbench.errors import BadInput
 from benchbench.model import Model
 from benchbench.motion import Motion
 from benchbench.plan import Array
-from benchbench.race.track import Gate, Track, read
+from benchbench.race.track import TRACKS, Gate, Track, is_point, read
 from benchbench.scenario import Ends, Finite, NonNegative, Positive, Scenario
 
 AXES = ("x", "y", "z")
@@ -32,6 +32,7 @@ NOT_HERE = (
     "intervals",
 )
 """Fields of a handover that mean nothing in a race."""
+END_VELOCITIES = "free, rest, [vx, vy, vz] in m/s"
 MOST_FREE = 8
 """Gates whose order may be free: 40320 orders."""
 
@@ -88,14 +89,17 @@ class Race(Scenario):
             if data.get(name):
                 allowed = "nodes_per_gate" if name == "intervals" else "a handover, such as +scenario=circle"
                 raise BadInput(f"scenario.{name}", "means nothing in a race", allowed)
+        track, velocity = data.get("track", ()), data.get("end_velocity", "free")
+        if not isinstance(track, str | Path | Sequence):
+            raise BadInput("scenario.track", f"{track!r} was given", TRACKS)
+        if not isinstance(velocity, str) and not is_point(velocity):
+            raise BadInput("scenario.end_velocity", f"{velocity!r} was given", END_VELOCITIES)
         return {key: value for key, value in data.items() if key not in NOT_HERE}
 
     @model_validator(mode="after")
     def _consistent(self) -> Race:
         if isinstance(self.end_velocity, str) and self.end_velocity not in ("free", "rest"):
-            raise BadInput(
-                "scenario.end_velocity", f"'{self.end_velocity}' was given", "free, rest, [vx, vy, vz] in m/s"
-            )
+            raise BadInput("scenario.end_velocity", f"'{self.end_velocity}' was given", END_VELOCITIES)
         self._check_order()
         object.__setattr__(self, "target", Finish(self.goals[-1].position))
         object.__setattr__(self, "intervals", self.nodes_per_gate * len(self.goals))

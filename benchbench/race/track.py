@@ -29,6 +29,7 @@ COLUMNS = (
 )
 """Names in a CSV file, where a cell holds one number."""
 PARTS = ("start", "lap", "end", "radius", "gates")
+TRACKS = "a list of gates, or the path of a .yaml or .csv file"
 FORM = "rows of x, y, z and, where wanted, radius and order, all finite numbers in m"
 
 
@@ -111,7 +112,7 @@ def read(source: str | Path | Sequence[Any], radius: float) -> Track:
     path = Path(source)
     kinds = {".yaml": _yaml, ".yml": _yaml, ".csv": _csv}
     if path.suffix.lower() not in kinds:
-        raise BadInput(FIELD, f"'{path}' is no track", "a list of gates, or the path of a .yaml or .csv file")
+        raise BadInput(FIELD, f"'{path}' is no track", TRACKS)
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
@@ -250,9 +251,10 @@ def _range(given: Any, field: str) -> tuple[float, float]:
 
 
 def _above(value: Any, field: str) -> float:
-    number = _number(value, field)
+    allowed = f"a {field.rpartition(' ')[2]} above 0 m"
+    number = _number(value, field, allowed)
     if not number > 0:
-        raise BadInput(field, f"{number:g} m was given", f"a {field.rpartition(' ')[2]} above 0 m")
+        raise BadInput(field, f"{number:g} m was given", allowed)
     return number
 
 
@@ -266,6 +268,15 @@ def _point(values: Any, field: str) -> Triple:
         raise BadInput(field, f"{values!r} was given", FORM)
     x, y, z = (_number(value, field) for value in values)
     return x, y, z
+
+
+def is_point(values: Any) -> bool:
+    """Whether there are three finite numbers."""
+    try:
+        _point(values, FIELD)
+    except BadInput:
+        return False
+    return True
 
 
 def _number(value: Any, field: str, allowed: str = FORM) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -18,14 +19,27 @@ Points = tuple[Array, Array]
 
 
 @dataclass(frozen=True)
+class Band:
+    """Limits that change: times (m,) s and both limits (m,)."""
+
+    time: Array
+    lower: Array
+    upper: Array
+
+
+@dataclass(frozen=True)
 class Curve:
-    """One quantity: what is planned at nodes (dots), how it runs in between (line), its limits (may be infinite)."""
+    """One quantity: what is planned at nodes (dots), how it runs in between (line), its limits (may be infinite).
+
+    Where limits change, `band` says how, and `lower`, `upper` are the widest.
+    """
 
     label: str
     dots: Points | None
     line: Points
     lower: float
     upper: float
+    band: Band | None = None
 
 
 @dataclass(frozen=True)
@@ -68,11 +82,16 @@ def _draw_limits(axes: Axes, panel: Panel) -> None:
     """One grey line where all curves share a limit, lines in the colours of the curves where they differ."""
     limits = [(curve.lower, curve.upper) for curve in panel.curves]
     shared = len(set(limits)) == 1
-    for pair, color in zip(limits, _colors(panel), strict=True):
-        for limit in filter(np.isfinite, pair):
-            axes.axhline(
-                limit, color=LIMIT if shared else color, linewidth=1.1, linestyle=(0, (4, 3)), zorder=2
-            )
+    for curve, pair, color in zip(panel.curves, limits, _colors(panel), strict=True):
+        look: dict[str, Any] = {
+            "color": LIMIT if shared else color, "linewidth": 1.1, "linestyle": (0, (4, 3)), "zorder": 4
+        }  # fmt: skip
+        if curve.band is not None:
+            for limit in (curve.band.lower, curve.band.upper):
+                axes.plot(curve.band.time, limit, **look)
+        else:
+            for level in filter(np.isfinite, pair):
+                axes.axhline(level, **look)
         if shared:
             return
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from benchbench.certificate.race import as_passed
 from benchbench.certificate.replay import Replay
 from benchbench.model import Model
 from benchbench.motion import sample
 from benchbench.plan import Array, Plan
+from benchbench.race.scenario import Race
 from benchbench.report.contact_window import contact_windows, stop_windows
+from benchbench.report.gates import outlines
 from benchbench.report.style import ARM, CONTACT, FRAME, INK, TARGET, TOOL
 from benchbench.scenario import Scenario
 
@@ -33,7 +36,7 @@ class Scene:
     """A plan with what the views need.
 
     End effector and the target of each stop at the nodes, each (N + 1, 3) m, and the end effector on the replay
-    (m, 3) m.
+    (m, 3) m; of a race the outline of each gate (n, 3) m, by what is written there.
     """
 
     plan: Plan
@@ -41,6 +44,12 @@ class Scene:
     tool: Array
     targets: Mapping[str, Array]
     flown: Array | None
+    gates: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def speed(self) -> Array:
+        """Speed of the vehicle at the nodes, (N + 1,) m/s."""
+        return np.asarray(np.linalg.norm(self.plan.velocity[:, :3], axis=1))
 
     @property
     def sideways(self) -> bool:
@@ -74,6 +83,8 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
     plant = model.plant()
     tool, _ = plant.tool(plan.configuration, plan.velocity)
     flown = None if replay is None else plant.tool(replay.configuration, replay.velocity)[0]
+    if isinstance(scenario, Race):
+        return Scene(plan, model, tool, {}, flown, outlines(as_passed(plan, scenario, 0.0).goals))
     targets = {stop.name: sample(stop.target, plan.time)[0] for stop in scenario.itinerary.stops}
     return Scene(plan, model, tool, targets, flown)
 

@@ -90,7 +90,9 @@ def plan_of(flight: Flight, model: Model, interpolation: Interpolation) -> Plan:
     wanted = [(c.names, q), (w.names, v), (i.names, u)]
     unknown = [name for names, known in wanted for name in names if name not in known]
     if unknown or (flight.arm is None and ARM in c.names):
-        raise BadInput("vehicle", f"'{model.name}' has {', '.join(unknown) or ARM}, which the flight has not")
+        problem = f"'{model.name}' has {', '.join(unknown) or ARM}, which the flight has not"
+        allowed = "the vehicle of the flight, or a flight with the columns of docs/foreign_plans.md"
+        raise BadInput("vehicle", problem, allowed)
     inputs = _columns(u, i.names)
     progress = np.zeros(len(flight.time)) if flight.progress is None else flight.progress
     return Plan(

@@ -16,10 +16,12 @@ from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 
 from benchbench import __version__
+from benchbench.analysis.races import races
 from benchbench.report.html import tables
 from benchbench.report.html.charts import cost_split, failures, profiles, travel_time, work_precision
 from benchbench.report.html.charts import success as successes
 from benchbench.report.html.charts.chart import Chart, styles
+from benchbench.report.html.race_table import race_rows
 from benchbench.storage.status import Status
 
 VERSIONS = (
@@ -72,6 +74,7 @@ def render(report: Report) -> str:
     )  # fmt: skip
     environment.filters |= {"figure": _figure, "inline": _inline}
     runs = report.runs
+    race_gates, raced = race_rows(races(runs, report.settings))
     means, means_note = tables.mean_rows(runs, _time_limit(report.settings))
     return environment.get_template("report.html").render(
         report=report,
@@ -80,6 +83,8 @@ def render(report: Report) -> str:
         headline=_headline(runs),
         sections=_sections(runs),
         success_rows=tables.success_rows(runs),
+        race_gates=race_gates,
+        race_rows=raced,
         means=means,
         means_note=means_note,
         table=tables.run_table(runs),

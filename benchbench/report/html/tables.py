@@ -25,7 +25,7 @@ RUN_COLUMNS = (
     "contact_max_distance_m", "contact_max_speed_gap_mps", "reasons", "advice", "objective", "lower_bound_s",
     "evaluations", "build_cpu_s", "certificate_cpu_s", "wall_s", "peak_memory_mb", "max_violation",
     "max_complementarity", "replay_drift_position_m", "replay_end_error_m", "max_rate_ratio", "contact_steps",
-    "contact_duration_s", "vehicle", "seed",
+    "contact_duration_s", "gates", "gates_passed", "gate_worst_miss_m", "vehicle", "seed",
 )  # fmt: skip
 _BY_NAME = {column.name: column for column in COLUMNS}
 

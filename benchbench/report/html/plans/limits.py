@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
 from benchbench.report.html.charts.chart import CLEAR, FONT, GRID
-from benchbench.report.panel import Curve, Panel, Points, span
+from benchbench.report.panel import Band, Curve, Panel, Points, span
 from benchbench.report.style import CONTACT, CURVES, FAINT, INK, LIMIT
 
 COLUMNS, ROW_PX = 2, 128
@@ -72,13 +72,26 @@ def _traces(curve: Curve, color: str, unit: str, floor: float) -> list[go.Scatte
     name = curve.label.replace("_", " ")
     hover = f"%{{y:.4g}} {unit} at %{{x:.3f}} s<extra>{name}</extra>"
     x, y = _points(curve.line, floor)
-    traces = [go.Scatter(x=x, y=y, mode="lines", line={"color": color, "width": 1.4}, hovertemplate=hover)]
+    traces = _band(curve.band)
+    traces += [go.Scatter(x=x, y=y, mode="lines", line={"color": color, "width": 1.4}, hovertemplate=hover)]
     if curve.dots is not None:
         x, y = _points(curve.dots, floor)
         traces.append(
             go.Scatter(x=x, y=y, mode="markers", marker={"color": color, "size": 3}, hovertemplate=hover)
         )
     return traces
+
+
+def _band(band: Band | None) -> list[go.Scatter]:
+    """Limits that change, as dashed lines."""
+    if band is None:
+        return []
+    look: dict[str, Any] = {
+        "mode": "lines",
+        "line": {"color": LIMIT, "width": 1.2, "dash": "dash"},
+        "hoverinfo": "skip",
+    }
+    return [go.Scatter(x=band.time, y=limit, **look) for limit in (band.lower, band.upper)]
 
 
 def _points(points: Points, floor: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
@@ -118,7 +131,13 @@ def _bounds(panels: Sequence[Panel]) -> Iterator[dict[str, Any]]:
     """A dashed line per limit; curves with the same limits share it."""
     for i, panel in enumerate(panels):
         pairs = zip(panel.curves, _limit_colors(panel), strict=True)
-        lines = {(v, color): None for c, color in pairs for v in (c.lower, c.upper) if np.isfinite(v)}
+        lines = {
+            (v, color): None
+            for c, color in pairs
+            if c.band is None
+            for v in (c.lower, c.upper)
+            if np.isfinite(v)
+        }
         for value, color in lines:
             across = {"xref": f"x{_number(i)} domain", "x0": 0.0, "x1": 1.0, "yref": f"y{_number(i)}"}
             look = {"color": color, "width": 1.2, "dash": "dash"}

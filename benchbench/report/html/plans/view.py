@@ -15,6 +15,8 @@ from benchbench.report.views import Scene, skeleton
 FRAMES = 60
 """About how many instants are shown; those in contact always are."""
 MARGIN_M = 0.15
+ABOVE = (0.0, 0.0, 0.6)
+"""Where the number of a gate stands, from its centre, m."""
 LENGTH = 1.3
 """Length of the longest axis, in Plotly's unit; a longer one leaves the picture."""
 
@@ -49,6 +51,8 @@ def _name(scene: Scene, node: int) -> str:
 
 
 def _paths(scene: Scene) -> list[go.Scatter3d]:
+    if scene.gates:
+        return [*_gates(scene), _coloured_path(scene)]
     lines = [(f"path of {name}", target, TARGET, 3) for name, target in scene.targets.items()]
     lines.append(("end effector, planned", scene.tool, TOOL, 4))
     if scene.flown is not None:
@@ -59,12 +63,39 @@ def _paths(scene: Scene) -> list[go.Scatter3d]:
     ]
 
 
+def _gates(scene: Scene) -> list[go.Scatter3d]:
+    """Outlines of the gates of a race, and their numbers."""
+    lines = [
+        _line(outline, TARGET, 3, name="gates", hoverinfo="skip", showlegend=i == 0)
+        for i, outline in enumerate(scene.gates.values())
+    ]
+    above = [np.nanmean(outline[:-1], axis=0) + np.array(ABOVE) for outline in scene.gates.values()]
+    x, y, z = np.array(above, np.float32).T
+    text = {"x": x, "y": y, "z": z, "mode": "text", "text": list(scene.gates), "textfont": {"color": INK}}
+    return [*lines, go.Scatter3d(**text, hoverinfo="skip", showlegend=False)]
+
+
+def _coloured_path(scene: Scene) -> go.Scatter3d:
+    """The path of a race in the colours of its speed."""
+    x, y, z = np.asarray(scene.tool, np.float32).T
+    speed = scene.speed.astype(np.float32)
+    bar = {"title": {"text": "m/s"}, "thickness": 12, "len": 0.5, "x": 1.0, "xanchor": "right"}
+    return go.Scatter3d(
+        x=x, y=y, z=z, mode="lines", name="path", showlegend=False, customdata=speed,
+        line={"color": speed, "colorscale": "Plasma", "cmin": 0.0, "width": 6, "colorbar": bar, "showscale": True},
+        hovertemplate="%{customdata:.2f} m/s at x %{x:.2f}, y %{y:.2f}, z %{z:.2f} m<extra></extra>",
+    )  # fmt: skip
+
+
 def _moving(scene: Scene, node: int) -> list[go.Scatter3d]:
     lines = skeleton(scene, node)
     frame = [points for name, points in lines.items() if "arm" not in name]
     arm = [points for name, points in lines.items() if "arm" in name]
+    vehicle = _line(_joined(frame), FRAME, 7, name="vehicle", hoverinfo="skip")
+    if scene.gates:
+        return [vehicle]
     return [
-        _line(_joined(frame), FRAME, 7, name="vehicle", hoverinfo="skip"),
+        vehicle,
         _line(_joined(arm), ARM, 7, name="arm", hoverinfo="skip"),
         _dot(scene.tool[node], TOOL, "circle", "end effector"),
         *(_dot(target[node], TARGET, "square", name) for name, target in scene.targets.items()),
@@ -97,7 +128,7 @@ def _inside(scene: Scene, path: Array) -> Array:
 
 
 def _box(scene: Scene) -> tuple[Array, Array]:
-    drawn = [scene.tool, *scene.targets.values()]
+    drawn = [scene.tool, *scene.targets.values(), *scene.gates.values()]
     drawn += [*(p for k in frame_nodes(scene) for p in skeleton(scene, k).values())]
     points = np.concatenate(drawn)
     return np.nanmin(points, axis=0) - MARGIN_M, np.nanmax(points, axis=0) + MARGIN_M
