@@ -53,8 +53,7 @@ def draw(runs: Sequence[Run], gates: Sequence[int], equal: int, path: Path) -> N
         (f"(a) {equal} nodes per gate, as the paper", {m: results.equal(m, equal) for m in METHODS}),
         (f"(b) fewest nodes that replay to {100 * ACCURACY:g} cm", {m: results.accurate(m) for m in METHODS}),
     )
-    for axes, (title, lines) in zip(grid, rows, strict=True):
-        strict = axes is grid[1]
+    for axes, (title, lines), strict in zip(grid, rows, (False, True), strict=True):
         _travel(axes[0], lines, gates, strict)
         _work(axes[1], lines, gates, strict)
         for panel in axes[:2]:
@@ -74,8 +73,8 @@ def _travel(axes: Axes, lines: dict[str, list[Run]], gates: Sequence[int], stric
         above = [100 * (run.travel_time_s / best[run.gates] - 1) for run in shown]
         _points(axes, [run.gates for run in shown], above, shown, method)
     axes.set(ylabel="travel time above phases [%]")
-    _by_gates(axes, gates, [f"{n}\n{best[n]:.3f} s" if n in best else f"{n}" for n in gates])
-    axes.set_xlabel("gates before the end, travel time of phases")
+    _by_gates(axes, gates, [f"{n}\n{best[n]:.2f}" if n in best else f"{n}" for n in gates])
+    axes.set_xlabel("gates before the end; below: travel time of phases [s]")
 
 
 def _work(axes: Axes, lines: dict[str, list[Run]], gates: Sequence[int], strict: bool) -> None:
@@ -84,19 +83,12 @@ def _work(axes: Axes, lines: dict[str, list[Run]], gates: Sequence[int], strict:
         shown = [run for run in line if run.status != STOPPED and np.isfinite(run.cpu_s)]
         shown = [run for run in shown if run.accurate or not strict]
         _points(axes, [run.gates for run in shown], [run.cpu_s for run in shown], shown, method)
-        lost = [run for run in line if run.status == STOPPED]
         aside = 1 + 0.035 * (place - 2)
-        axes.plot(
-            [r.gates * aside for r in lost], [r.cpu_s for r in lost], "x", color=COLOURS[method], markersize=8
-        )
-        never = [run for run in line if strict and not run.accurate and run.status != STOPPED]
-        axes.plot(
-            [r.gates * aside for r in never],
-            [r.cpu_s for r in never],
-            "$?$",
-            color=COLOURS[method],
-            markersize=8,
-        )
+        stopped = [run for run in line if run.status == STOPPED]
+        missed = [run for run in line if strict and not run.accurate and run.status != STOPPED]
+        for lost, sign in ((stopped, "x"), (missed, "$?$")):
+            x, y = [aside * run.gates for run in lost], [run.cpu_s for run in lost]
+            axes.plot(x, y, linestyle="", marker=sign, color=COLOURS[method], markersize=8)
         grown = _growth(shown)
         if grown is not None:
             axes.annotate(
@@ -134,7 +126,7 @@ def _points(axes: Axes, x: Sequence[float], y: Sequence[float], runs: Sequence[R
 
 def _by_gates(axes: Axes, gates: Sequence[int], labels: Sequence[str]) -> None:
     axes.set_xscale("log")
-    axes.set_xticks(gates, labels, minor=False)
+    axes.set_xticks(gates, labels, minor=False, fontsize=9)
     axes.minorticks_off()
     axes.set_xlim(0.88 * gates[0], 1.25 * gates[-1])
     axes.grid(color="#e6e6e6", linewidth=0.6)
