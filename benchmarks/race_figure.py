@@ -5,9 +5,9 @@
 
 Travel time and CPU time against the number of gates (before the end) for each method of `race_runs`: (a) with 40 nodes
 per gate, as the paper; (b) with the fewest of `NODES` that replay each gate to 1 cm. Runs stand in the CSV file, one
-row as soon as it is done; the same command again goes on where it stopped, `--plot` only draws what is there. A run is
+row as soon as it is done; the same command again goes on where it stopped, `--plot` only draws what is there and prints it. A run is
 stopped when its process has spent `--cpu-limit` seconds; runs above `--repeat-below` seconds are not repeated. Before the
-first run each method plans one small race that is not counted, so that no run pays for a compiler.
+first run each method begins the largest race and is stopped, so that no run that counts pays for a compiler.
 6 gates are left out: the sixth is where the end is. `--prefix` is put before each child's command.
 """
 
@@ -18,11 +18,14 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from race_picture import draw
-from race_runs import METHODS, STOPPED, Key, Run, append, child, read
+from race_runs import METHODS, STOPPED, Key, Results, Run, append, child, read
+from race_table import tables
 
 GATES = (1, 2, 3, 4, 5, 7, 19)
 NODES = (10, 20, 40, 80, 160)
 EQUAL = 40
+WARM_UP = 30.0
+"""CPU time in which all blocks are compiled, s."""
 
 
 def following(runs: Sequence[Run], repeats: int, repeat_below: float) -> Key | None:
@@ -54,7 +57,7 @@ def needed(first: dict[int, Run]) -> set[int]:
 
 
 def main() -> None:
-    """Run what is missing, then draw."""
+    """Run what is missing, then draw, and print tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("csv", type=Path)
     parser.add_argument("picture", type=Path)
@@ -66,12 +69,14 @@ def main() -> None:
     said = parser.parse_args()
     prefix = said.prefix.split()
     for method in () if said.plot else METHODS:
-        child(method, 1, NODES[0], 0, said.cpu_limit, prefix)
+        child(method, GATES[-1], EQUAL, 0, WARM_UP, prefix)
     while not said.plot and (key := following(read(said.csv), said.repeats, said.repeat_below)):
         run = child(*key, said.cpu_limit, prefix)
         append(said.csv, run)
         print(run, flush=True)
-    draw(read(said.csv), GATES, EQUAL, said.picture)
+    results = Results(read(said.csv), GATES)
+    draw(results, EQUAL, said.picture)
+    print(tables(results, EQUAL))
 
 
 if __name__ == "__main__":

@@ -3,59 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from race_runs import ACCURACY, METHODS, STOPPED, Run, middle
+from race_runs import ACCURACY, METHODS, STOPPED, Results, Run, growth
 
 COLOURS = dict(zip(METHODS, ("#0072b2", "#d55e00", "#e69f00", "#009e73", "#cc79a7"), strict=True))
 SHAPES = dict(zip(METHODS, "osD^v", strict=True))
 GREY = "#555555"
 
 
-@dataclass(frozen=True)
-class Results:
-    """Runs by method, gates and nodes; of repeats the first with the median CPU time."""
-
-    runs: Sequence[Run]
-    gates: Sequence[int]
-
-    def of(self, method: str, gates: int) -> dict[int, Run]:
-        """Runs of a method on a race, by nodes per gate, coarse to fine."""
-        mine = [run for run in self.runs if (run.method, run.gates) == (method, gates)]
-        return {n: middle([r for r in mine if r.nodes == n]) for n in sorted({r.nodes for r in mine})}
-
-    def equal(self, method: str, nodes: int) -> list[Run]:
-        """Runs with that many nodes per gate, by gates."""
-        found = [self.of(method, gates).get(nodes) for gates in self.gates]
-        return [run for run in found if run]
-
-    def accurate(self, method: str) -> list[Run]:
-        """The coarsest accurate run of each race, else its finest one."""
-        found = []
-        for gates in self.gates:
-            runs = list(self.of(method, gates).values())
-            found += ([run for run in runs if run.accurate] or runs[-1:])[:1]
-        return found
-
-
-def draw(runs: Sequence[Run], gates: Sequence[int], equal: int, path: Path) -> None:
+def draw(results: Results, equal: int, path: Path) -> None:
     """Write the picture: (a) at equal nodes, (b) at equal accuracy; at the right work and precision of two races."""
-    results = Results(runs, gates)
     figure = Figure(figsize=(15.0, 9.0), layout="constrained")
     grid = figure.subplots(2, 3)
-    limit = max((run.cpu_s for run in runs if run.status == STOPPED), default=None)
+    limit = max((run.cpu_s for run in results.runs if run.status == STOPPED), default=None)
     rows = (
         (f"(a) {equal} nodes per gate, as the paper", {m: results.equal(m, equal) for m in METHODS}),
         (f"(b) fewest nodes that replay to {100 * ACCURACY:g} cm", {m: results.accurate(m) for m in METHODS}),
     )
     for axes, (title, lines), strict in zip(grid, rows, (False, True), strict=True):
-        _travel(axes[0], lines, gates, strict)
-        _work(axes[1], lines, gates, strict)
+        _travel(axes[0], lines, results.gates, strict)
+        _work(axes[1], lines, results.gates, strict)
         for panel in axes[:2]:
             panel.set_title(title, loc="left", fontsize=11)
     for axes, count in zip(grid[:, 2], (2, 4), strict=True):
@@ -68,7 +40,7 @@ def _travel(axes: Axes, lines: dict[str, list[Run]], gates: Sequence[int], stric
     """Travel time above that of phases with the most nodes, which is written along the axis in seconds."""
     best = {run.gates: run.travel_time_s for run in lines["phases"]}
     for method, line in lines.items():
-        shown = [run for run in line if run.gates in best and np.isfinite(run.travel_time_s)]
+        shown = [run for run in line if run.gates in best and run.planned]
         shown = [run for run in shown if run.accurate or not strict]
         above = [100 * (run.travel_time_s / best[run.gates] - 1) for run in shown]
         _points(axes, [run.gates for run in shown], above, shown, method)
@@ -80,7 +52,7 @@ def _travel(axes: Axes, lines: dict[str, list[Run]], gates: Sequence[int], stric
 def _work(axes: Axes, lines: dict[str, list[Run]], gates: Sequence[int], strict: bool) -> None:
     """CPU time; crosses where runs were stopped, hollow ones where no accuracy was reached."""
     for place, (method, line) in enumerate(lines.items()):
-        shown = [run for run in line if run.status != STOPPED and np.isfinite(run.cpu_s)]
+        shown = [run for run in line if run.planned]
         shown = [run for run in shown if run.accurate or not strict]
         _points(axes, [run.gates for run in shown], [run.cpu_s for run in shown], shown, method)
         aside = 1 + 0.035 * (place - 2)
@@ -89,7 +61,7 @@ def _work(axes: Axes, lines: dict[str, list[Run]], gates: Sequence[int], strict:
         for lost, sign in ((stopped, "x"), (missed, "$?$")):
             x, y = [aside * run.gates for run in lost], [run.cpu_s for run in lost]
             axes.plot(x, y, linestyle="", marker=sign, color=COLOURS[method], markersize=8)
-        grown = _growth(shown)
+        grown = growth(shown)
         if grown is not None:
             axes.annotate(
                 f"$n^{{{grown:.1f}}}$", (shown[-1].gates, shown[-1].cpu_s), (6, 4), textcoords="offset points",
@@ -130,14 +102,6 @@ def _by_gates(axes: Axes, gates: Sequence[int], labels: Sequence[str]) -> None:
     axes.minorticks_off()
     axes.set_xlim(0.88 * gates[0], 1.25 * gates[-1])
     axes.grid(color="#e6e6e6", linewidth=0.6)
-
-
-def _growth(line: Sequence[Run]) -> float | None:
-    """Exponent of n = gates + 1 in the CPU time, by least squares; None of fewer than three races."""
-    if len(line) < 3:
-        return None
-    segments, seconds = np.log([run.gates + 1 for run in line]), np.log([run.cpu_s for run in line])
-    return float(np.polyfit(segments, seconds, 1)[0])
 
 
 def _key(limit: float | None) -> list[Line2D]:

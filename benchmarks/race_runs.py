@@ -15,6 +15,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+import numpy as np
+
 METHODS: dict[str, tuple[str, ...]] = {
     "phases": ("strategy=phases",),
     "RK4-CPC": ("strategy=relax", "guess=line"),
@@ -56,9 +58,48 @@ class Run:
         return self.method, self.gates, self.nodes, self.repeat
 
     @property
+    def planned(self) -> bool:
+        """Whether it ended with a plan, certified or not."""
+        return self.status in ("certified", "uncertified")
+
+    @property
     def accurate(self) -> bool:
         """Whether the plan is certified and accurate enough."""
         return self.certified and self.drift_m <= ACCURACY
+
+
+@dataclass(frozen=True)
+class Results:
+    """Runs by method, gates and nodes; of repeats the first with the median CPU time."""
+
+    runs: Sequence[Run]
+    gates: Sequence[int]
+
+    def of(self, method: str, gates: int) -> dict[int, Run]:
+        """Runs of a method on a race, by nodes per gate, coarse to fine."""
+        mine = [run for run in self.runs if (run.method, run.gates) == (method, gates)]
+        return {n: middle([r for r in mine if r.nodes == n]) for n in sorted({r.nodes for r in mine})}
+
+    def equal(self, method: str, nodes: int) -> list[Run]:
+        """Runs with that many nodes per gate, by gates."""
+        found = [self.of(method, gates).get(nodes) for gates in self.gates]
+        return [run for run in found if run]
+
+    def accurate(self, method: str) -> list[Run]:
+        """The coarsest accurate run of each race, else its finest one."""
+        found = []
+        for gates in self.gates:
+            runs = list(self.of(method, gates).values())
+            found += ([run for run in runs if run.accurate] or runs[-1:])[:1]
+        return found
+
+
+def growth(line: Sequence[Run]) -> float | None:
+    """Exponent of n = gates + 1 in the CPU time, by least squares; None of fewer than three races."""
+    if len(line) < 3:
+        return None
+    segments, seconds = np.log([run.gates + 1 for run in line]), np.log([run.cpu_s for run in line])
+    return float(np.polyfit(segments, seconds, 1)[0])
 
 
 def one(*overrides: str) -> dict[str, object]:

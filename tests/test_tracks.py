@@ -134,7 +134,8 @@ def test_bad_yaml_is_refused_with_its_place(tmp_path: Path, text: str, said: str
     [
         ("scenario.track=nowhere.csv", "cannot read 'nowhere.csv'"),
         ("scenario.track=track.txt", "is no track"),
-        ("scenario.gates=6", "the end is where gate 6 is"),
+        ("scenario.gates=6", "the end is where gate 6 is, .* another scenario.end"),
+        ("scenario.gates=13", "the end is where gate 13 is"),
         ("scenario.gates=0", "scenario.gates: 0 was given"),
         ("scenario.end_velocity=fast", "free, rest"),
         ("scenario.end_velocity=[1,2]", r"scenario.end_velocity: \[1, 2\] was given; allowed: free, rest"),

@@ -110,7 +110,10 @@ class Race(Scenario):
                 name = "the end" if number == len(self.goals) else f"gate {number}"
                 place = ", ".join(f"{x:g}" for x in there)
                 before = f"gate {number - 1}" if number > 1 else "the start"
-                raise BadInput("scenario.gates", f"{name} is where {before} is, at {place}", "gates apart")
+                allowed = (
+                    "another number of gates, or another scenario.end" if name == "the end" else "gates apart"
+                )
+                raise BadInput("scenario.gates", f"{name} is where {before} is, at {place}", allowed)
             here = there
         return self
 

@@ -69,10 +69,15 @@ def _gates(scene: Scene) -> list[go.Scatter3d]:
         _line(outline, TARGET, 3, name="gates", hoverinfo="skip", showlegend=i == 0)
         for i, outline in enumerate(scene.gates.values())
     ]
-    above = [np.nanmean(outline[:-1], axis=0) + np.array(ABOVE) for outline in scene.gates.values()]
-    x, y, z = np.array(above, np.float32).T
+    x, y, z = _above(scene).astype(np.float32).T
     text = {"x": x, "y": y, "z": z, "mode": "text", "text": list(scene.gates), "textfont": {"color": INK}}
     return [*lines, go.Scatter3d(**text, hoverinfo="skip", showlegend=False)]
+
+
+def _above(scene: Scene) -> Array:
+    """Where the numbers of the gates stand, (n, 3) m; none without gates."""
+    middles = [np.nanmean(outline[:-1], axis=0) for outline in scene.gates.values()]
+    return np.reshape(middles, (-1, 3)) + np.array(ABOVE)
 
 
 def _coloured_path(scene: Scene) -> go.Scatter3d:
@@ -128,7 +133,7 @@ def _inside(scene: Scene, path: Array) -> Array:
 
 
 def _box(scene: Scene) -> tuple[Array, Array]:
-    drawn = [scene.tool, *scene.targets.values(), *scene.gates.values()]
+    drawn = [scene.tool, *scene.targets.values(), *scene.gates.values(), _above(scene)]
     drawn += [*(p for k in frame_nodes(scene) for p in skeleton(scene, k).values())]
     points = np.concatenate(drawn)
     return np.nanmin(points, axis=0) - MARGIN_M, np.nanmax(points, axis=0) + MARGIN_M
