@@ -118,21 +118,29 @@ def _original(mpcc: Mpcc, relaxed: Mpcc, x: Array) -> tuple[dict[str, Array], Ar
 
 
 def carried(mpcc: Mpcc, near: Solved) -> Point:
-    """Return the guess with the multipliers of another solution where variables and blocks agree in name and shape, else 0."""
+    """Return the guess with the multipliers of another solution.
+
+    Variables and blocks that agree in name and width take them, row by row; where the other grid is coarser or finer,
+    from the row at the same share of the way. All others are 0.
+    """
     last = near.outcome.point
     if near.relaxed is None or last.lam_x is None or last.lam_g is None:
         return Point(mpcc.guess)
-    old = {name: values.ravel() for name, values in near.relaxed.split(last.lam_x).items()}
-    sizes = [block.lower.size for block in near.relaxed.constraints]
-    cuts = np.split(last.lam_g, np.cumsum(sizes)[:-1])
-    rows = {block.name: cut for block, cut in zip(near.relaxed.constraints, cuts, strict=True)}
-    lam_x = [_same(old.get(v.name), v.size) for v in mpcc.variables]
-    lam_g = [_same(rows.get(block.name), block.lower.size) for block in mpcc.constraints]
+    blocks = near.relaxed.constraints
+    cuts = np.split(last.lam_g, np.cumsum([block.lower.size for block in blocks])[:-1])
+    of_rows = {block.name: cut.reshape(block.lower.shape) for block, cut in zip(blocks, cuts, strict=True)}
+    of_bounds = near.relaxed.split(last.lam_x)
+    lam_x = [_spread(of_bounds.get(v.name), v.guess.shape) for v in mpcc.variables]
+    lam_g = [_spread(of_rows.get(block.name), block.lower.shape) for block in mpcc.constraints]
     return Point(mpcc.guess, np.concatenate([np.zeros(0), *lam_g]), np.concatenate([np.zeros(0), *lam_x]))
 
 
-def _same(values: Array | None, size: int) -> Array:
-    return values if values is not None and values.size == size else np.zeros(size)
+def _spread(values: Array | None, shape: tuple[int, ...]) -> Array:
+    """Rows (R, n) on another number of rows, flat; zeros where there are none or of another width."""
+    if values is None or values.shape[1:] != shape[1:] or not len(values):
+        return np.zeros(shape).ravel()
+    same_share = ((np.arange(shape[0]) + 0.5) * len(values) / shape[0]).astype(int)
+    return np.asarray(values[same_share]).ravel()
 
 
 def _travel_time(outcome: Outcome, where: tuple[int, int] | None) -> float | None:

@@ -9,6 +9,9 @@ import numpy as np
 
 from benchbench.plan import Array
 
+BATCH = 1000
+"""Times of a target that are evaluated together: CasADi's time to make a map grows with its length."""
+
 
 class Motion(ABC):
     """Position of a target over time.
@@ -35,9 +38,12 @@ def motion_state(motion: Motion, time: ca.SX, parameters: ca.SX) -> tuple[ca.SX,
 
 def sample(motion: Motion, times: Array) -> tuple[Array, Array]:
     """Return positions (n, 3) m and velocities (n, 3) m/s at the given times (n,) s."""
-    numbers = np.tile(motion.parameters[:, None], len(times))
-    position, velocity = _state_function(motion).map(len(times))(np.asarray(times)[None, :], numbers)
-    return np.asarray(position).T, np.asarray(velocity).T
+    size = max(1, min(len(times), BATCH))
+    batch = _state_function(motion).map("target", "serial", size, [1], [])
+    padded = np.resize(times, (-(-len(times) // size), size))
+    found = [batch(row[None, :], motion.parameters) for row in padded]
+    position, velocity = (np.hstack([part.full() for part in parts]).T for parts in zip(*found, strict=True))
+    return position[: len(times)], velocity[: len(times)]
 
 
 def _state_function(motion: Motion) -> ca.Function:

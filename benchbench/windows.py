@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -37,21 +38,41 @@ class Windows:
     found: dict[int, Result] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Bound every window; raises IncompatibleCase for a scenario with another number of stops than one."""
+        """Raise IncompatibleCase for a scenario with another number of stops than one."""
         scenario = self.case.scenario
         if isinstance(scenario, Race) or len(scenario.itinerary.stops) != 1:
             problem = f"'{self.case.names['strategy']}' searches for one contact"
             raise IncompatibleCase("strategy", problem, "phases, sequences, orders")
         self.count = scenario.itinerary.stops[0].kappa_init
+
+    @cached_property
+    def bounds(self) -> Array:
+        """Lower bounds in s by first node."""
+        scenario = self.case.scenario
         first = np.arange(scenario.intervals - self.count + 1)
         last = first + self.count - 1
         shares = first / scenario.intervals, last / scenario.intervals
-        self.bounds: Array = window_bounds(scenario, self.case.model, self.case.limits, *shares)
+        with self.ledger.building():
+            return window_bounds(scenario, self.case.model, self.case.limits, *shares)
 
     @property
     def nearest(self) -> int:
         """The window nearest to the contact of `start`."""
         return next(iter(nearest_windows(self.case, self.start).values()), (self._lowest(),))[0]
+
+    @property
+    def valley(self) -> float:
+        """Share of the flight at which the middle of a window costs least: of the parabola through the best three."""
+        k = self.centre
+        costs = [self.found[i].objective if i in self.found else np.inf for i in (k - 1, k, k + 1)]
+        bent = costs[0] - 2 * costs[1] + costs[2]
+        shift = (costs[0] - costs[2]) / (2 * bent) if np.isfinite(bent) and bent > 0 else 0.0
+        return (k + shift + (self.count - 1) / 2) / self.case.scenario.intervals
+
+    def first_at(self, share: float) -> int:
+        """First node of the window whose middle is nearest to a share of the flight."""
+        intervals = self.case.scenario.intervals
+        return int(np.clip(round(share * intervals - (self.count - 1) / 2), 0, intervals + 1 - self.count))
 
     @property
     def best(self) -> Result:

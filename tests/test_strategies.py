@@ -14,9 +14,11 @@ from benchbench.certificate.window_bound import window_bounds
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation import fixed_window, phase_grid
 from benchbench.guess import first_plan, straight_line
-from benchbench.plan import Plan
+from benchbench.homotopy import carried
+from benchbench.plan import Array, Plan
 from benchbench.storage.recording import write_mcap
 from benchbench.strategy import Result, judge, planned, pose
+from benchbench.windows import Windows
 
 N = 12
 SMALL = (f"scenario.intervals={N}", "iteration_limit=150")
@@ -64,6 +66,46 @@ def test_bounds_of_windows_are_below_every_solution(scan: dict[int, Result]) -> 
     assert all(bounds[k] <= travel_time for k, travel_time in solved.items())
     assert np.all(np.diff(bounds[:4]) <= 0) and np.all(np.diff(bounds[-4:]) >= 0), (
         "late or early contact costs time"
+    )
+
+
+def twice_as_fine(case: Case) -> Case:
+    return replace(case, scenario=case.scenario.model_copy(update={"intervals": 2 * N}))
+
+
+def test_the_next_grid_begins_in_the_valley(scan: dict[int, Result]) -> None:
+    """At the middle of the best window, moved by at most half a node to the cheaper neighbour."""
+    case = case_of()
+    windows = Windows(case, Ledger(60.0), straight_line(case), found=dict(scan))
+    best = windows.centre
+    towards = np.sign(scan[best - 1].objective - scan[best + 1].objective)
+    assert 0 < towards * (windows.valley * N - (best + 0.5)) <= 0.5
+    finer = Windows(twice_as_fine(case), Ledger(60.0), windows.best.plan)
+    assert finer.first_at(windows.valley) in (2 * best, 2 * best + 1)
+
+
+def test_multipliers_are_carried_to_the_next_grid(scan: dict[int, Result]) -> None:
+    """Both halves of an interval start from its multipliers; the solution is that of a start without."""
+    fine = twice_as_fine(case_of())
+    coarse = min(scan.values(), key=lambda result: result.objective)
+    k = 2 * min(scan, key=lambda k: scan[k].objective)
+    warm, cold = (Windows(fine, Ledger(60.0), coarse.plan, known).solve(k) for known in (coarse, None))
+    assert warm.objective == pytest.approx(cold.objective, rel=1e-6)
+    new = of_rows(warm, carried(warm.problem.mpcc, coarse.solved).lam_g)
+    old = of_rows(coarse, coarse.solved.outcome.point.lam_g)
+    assert np.abs(old).max() > 0
+    assert np.array_equal(new[0::2], old) and np.array_equal(new[1::2], old)
+
+
+def of_rows(result: Result, lam_g: Array | None) -> Array:
+    """Multipliers of the dynamics, one row per interval."""
+    blocks = result.problem.mpcc.constraints
+    assert lam_g is not None
+    parts = np.split(lam_g, np.cumsum([block.lower.size for block in blocks])[:-1])
+    return next(
+        part.reshape(block.lower.shape)
+        for block, part in zip(blocks, parts, strict=True)
+        if block.name == "verlet"
     )
 
 

@@ -11,13 +11,17 @@ from benchbench.motion import sample
 from benchbench.plan import Array
 from benchbench.scenario import Scenario
 
+CELLS = 250
+"""Cells that are looked at together; windows whose bound is found leave."""
+
 
 def window_bounds(scenario: Scenario, model: Model, limits: Limits, first: Array, last: Array) -> Array:
     """Return for each window a time in s that no certified plan with its contact there can beat; `inf` where none fits.
 
     first, last (n,): shares of the travel time t at which the contact begins and ends. On every axis the vehicle, no
     faster than its limit times `rate_ratio`, must be able to come within the arm's reach of the target by first t, and
-    from there to within `end_position` of the end in (1 - last) t. Times are searched in cells of STEP.
+    from there to within `end_position` of the end in (1 - last) t. Times are searched in cells
+    of STEP, the earliest first; the target is known in cells of the same width.
     """
     (stop,) = scenario.itinerary.stops
     index = [model.configuration.index(name) for name in AXES]
@@ -27,16 +31,18 @@ def window_bounds(scenario: Scenario, model: Model, limits: Limits, first: Array
     if "position" not in stop.contacts:
         return np.full(len(first), direct)
     reach = arm_reach(model, model.plant()) + stop.contacts["position"].limit
-    time = np.arange(max(0.0, direct), scenario.travel_time[1] + STEP, STEP)
-    bounds = np.full(len(first), np.inf)
-    for i, (begin, finish) in enumerate(zip(first, last, strict=True)):
-        fits = np.ones(len(time), bool)
-        for share, place, left, slack in (
-            (begin, start, begin, 0.0), (finish, end, 1 - finish, limits.end_position),
-        ):  # fmt: skip
-            target, moving = sample(stop.target, share * time)
-            close = reach + slack + STEP * np.max(np.abs(moving), axis=0)
-            fits &= np.all(np.abs(target - place) <= close + speed * (left * time[:, None] + STEP), axis=1)
-        if fits.any():
-            bounds[i] = time[int(np.argmax(fits))]
-    return bounds
+    bounds, low = np.full(len(first), np.inf), max(0.0, direct)
+    time = np.arange(0.0, scenario.travel_time[1] + STEP, STEP)
+    target, moving = sample(stop.target, time)
+    blur = 2 * STEP * np.max(np.abs(moving), axis=0)
+    ends = ((first, start, first, 0.0), (last, end, 1 - last, limits.end_position))
+    for cells in np.array_split(time[time > low - STEP], max(1, len(time) // CELLS)):
+        left = np.flatnonzero(np.isinf(bounds))
+        fits = np.ones((len(left), len(cells)), bool)
+        for share, place, leg, slack in ends:
+            there = target[(share[left, None] * cells / STEP).astype(int)]
+            near = reach + slack + blur + speed * (leg[left, None] * cells + STEP)[:, :, None]
+            fits &= np.all(np.abs(there - place) <= near, axis=2)
+        found = fits.any(axis=1)
+        bounds[left[found]] = cells[np.argmax(fits[found], axis=1)]
+    return np.maximum(bounds, direct)

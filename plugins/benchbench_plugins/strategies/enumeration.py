@@ -20,8 +20,8 @@ from benchbench.windows import Windows, coarser
 class Enumeration(Strategy):
     """Contact at kappa_init nodes from node k on, k searched; equal steps as in the paper, no complementarity.
 
-    On each of `levels` grids, twice as fine as the one before, the search walks downhill from the window the last one
-    found. With `exhaustive` every window of the finest grid that its lower bound does not rule out is solved as well. The
+    On each of `levels` grids, twice as fine as the one before, the search walks downhill from where the last one has
+    its minimum. With `exhaustive` every window of the finest grid that its lower bound does not rule out is solved as well. The
     account says how many were solved, ruled out and left; each solve is local. Margins as for `phases`.
     """
 
@@ -41,11 +41,12 @@ class Enumeration(Strategy):
         return measured(case, ledger, self.margin, search) if self.margin else self._search(case, ledger)
 
     def _search(self, case: Case, ledger: Ledger) -> Result:
-        plan = first_plan(case, ledger)
-        for level in coarser(case, self.levels):
-            windows = Windows(level, ledger, plan)
-            windows.descend(windows.nearest)
-            plan = windows.best.plan
+        coarsest, *finer = coarser(case, self.levels)
+        windows = Windows(coarsest, ledger, first_plan(case, ledger))
+        windows.descend(windows.nearest)
+        for level in finer:
+            last, windows = windows, Windows(level, ledger, windows.best.plan, windows.best)
+            windows.descend(windows.first_at(last.valley))
         if self.exhaustive:
             windows.exhaust()
         return replace(windows.best, account={"search": windows.account().told("windows")})
