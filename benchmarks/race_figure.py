@@ -5,10 +5,11 @@
 
 Travel time and CPU time against the number of gates (before the end) for each method of `race_runs`: (a) with 40 nodes
 per gate, as the paper; (b) with the fewest of `NODES` that replay each gate to 1 cm. Runs stand in the CSV file, one
-row as soon as it is done; the same command again goes on where it stopped, `--plot` only draws what is there and prints it. A run is
-stopped when its process has spent `--cpu-limit` seconds; runs above `--repeat-below` seconds are not repeated. Before the
-first run each method begins the largest race and is stopped, so that no run that counts pays for a compiler.
-6 gates are left out: the sixth is where the end is. `--prefix` is put before each child's command.
+row as soon as it is done; the same command again goes on where it stopped, `--plot` only draws what is there and prints
+it. A run is stopped when its process has spent `--cpu-limit` seconds; finer grids then count as stopped too and are not
+run. Runs above `--repeat-below` seconds are not repeated. Before the first run of a new file each method begins the
+largest race and is stopped, so that no run that counts pays for a compiler. 6 gates are left out: the sixth is where
+the end is. `--prefix` is put before each child's command.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from race_runs import METHODS, STOPPED, Key, Results, Run, append, child, read
 from race_table import tables
 
 GATES = (1, 2, 3, 4, 5, 7, 19)
-NODES = (10, 20, 40, 80, 160)
+NODES = (10, 20, 40, 80)
 EQUAL = 40
 WARM_UP = 30.0
 """CPU time in which all blocks are compiled, s."""
@@ -48,10 +49,12 @@ def wanted(runs: Sequence[Run], repeats: int, repeat_below: float) -> Iterator[K
 
 def needed(first: dict[int, Run]) -> set[int]:
     """Nodes per gate to run: `EQUAL`, and finer and finer until the accuracy or the limit of CPU time is reached."""
-    found = {EQUAL}
+    found: set[int] = set()
     for nodes in NODES:
         found.add(nodes)
-        if nodes not in first or first[nodes].accurate or first[nodes].status == STOPPED:
+        if nodes not in first or first[nodes].accurate:
+            return found | {EQUAL}
+        if first[nodes].status == STOPPED:
             break
     return found
 
@@ -64,11 +67,11 @@ def main() -> None:
     parser.add_argument("--plot", action="store_true")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--repeat-below", type=float, default=30.0)
-    parser.add_argument("--cpu-limit", type=float, default=300.0)
+    parser.add_argument("--cpu-limit", type=float, default=150.0)
     parser.add_argument("--prefix", default="", help="command put before each run's, such as 'nice -n 10'")
     said = parser.parse_args()
     prefix = said.prefix.split()
-    for method in () if said.plot else METHODS:
+    for method in () if said.plot or said.csv.is_file() else METHODS:
         child(method, GATES[-1], EQUAL, 0, WARM_UP, prefix)
     while not said.plot and (key := following(read(said.csv), said.repeats, said.repeat_below)):
         run = child(*key, said.cpu_limit, prefix)

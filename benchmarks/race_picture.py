@@ -115,7 +115,7 @@ def _key(limit: float | None) -> list[Line2D]:
         ("$?$", GREY, "1 cm not reached: CPU of the finest grid tried"),
     ]
     if limit is not None:
-        marks.append(("x", GREY, f"stopped after {limit:g} s of CPU"))
+        marks.append(("x", GREY, f"stopped after {limit:g} s of CPU, there or on a coarser grid"))
     signs = [
         Line2D([], [], color=GREY, marker=shape, markerfacecolor=fill, linestyle="", label=label)
         for shape, fill, label in marks

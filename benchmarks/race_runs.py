@@ -81,9 +81,13 @@ class Results:
         return {n: middle([r for r in mine if r.nodes == n]) for n in sorted({r.nodes for r in mine})}
 
     def equal(self, method: str, nodes: int) -> list[Run]:
-        """Runs with that many nodes per gate, by gates."""
-        found = [self.of(method, gates).get(nodes) for gates in self.gates]
-        return [run for run in found if run]
+        """Runs with that many nodes per gate, by gates; those stopped on a coarser grid."""
+        found = []
+        for gates in self.gates:
+            runs = self.of(method, gates)
+            shown = [run for n, run in runs.items() if n == nodes or (n < nodes and run.status == STOPPED)]
+            found += shown[-1:]
+        return found
 
     def accurate(self, method: str) -> list[Run]:
         """The coarsest accurate run of each race, else its finest one."""

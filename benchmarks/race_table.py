@@ -37,7 +37,7 @@ def _table(
 
 def _at_equal(run: Run) -> str:
     if run.status == STOPPED:
-        return f"stopped after {run.cpu_s:g} s"
+        return f"stopped after {run.cpu_s:g} s at {run.nodes} nodes"
     if not np.isfinite(run.travel_time_s):
         return run.status
     error = f"{1e3 * run.drift_m:.3g}" if np.isfinite(run.drift_m) else "?"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from itertools import permutations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -90,6 +91,20 @@ def test_relaxations_find_flights_that_pass_their_gates(relaxation: str) -> None
     assert done.record["gates_passed"] == 1
     assert done.record["gate_worst_miss_m"] < 1e-3
     assert done.record["travel_time_s"] > done.record["lower_bound_s"]
+
+
+RELAXATIONS = sorted(
+    path.stem for path in Path(config.folder(), "relaxation").glob("*.yaml") if path.stem != "none"
+)
+
+
+@pytest.mark.parametrize("relaxation", RELAXATIONS)
+def test_every_relaxation_takes_the_gates_and_keeps_a_warm_start(relaxation: str) -> None:
+    one = ("scenario.gates=1", "scenario.nodes_per_gate=20")
+    done = run(*one, "strategy=warm", f"relaxation={relaxation}")
+    assert done.certificate.certified, done.certificate.reasons
+    assert done.record["relaxation"] == relaxation
+    assert done.record["travel_time_s"] == pytest.approx(run(*one).record["travel_time_s"], rel=4e-3)
 
 
 def test_the_warm_start_finds_what_phases_find() -> None:

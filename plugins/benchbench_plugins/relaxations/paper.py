@@ -11,13 +11,16 @@ from pydantic.dataclasses import dataclass
 from benchbench.mpcc import PairKind
 from benchbench.relaxation import Relaxation, Relaxed, Unknown
 
+DISTANCES = ("position", "ball")
+"""Conditions that keep a distance: of a contact, and of a gate."""
+
 
 @final
 @dataclass(frozen=True)
 class Paper(Relaxation):
     """Slack equality for the distance, fixed limits for the rest (paper Eq. 29, 31 and 33). No sigma.
 
-    position:  epsilon (gap - nu) = 0 with a new unknown nu in [0, limit];
+    distances: epsilon (gap - nu) = 0 with a new unknown nu in [0, limit];
     others:    epsilon gap <= limit, in physical units.
     Fractional epsilon passes both, so a "contact" may break every limit; the certificate shows it. Norms
     are smoothed by `smoothing` (relative to the limit), since their derivative at zero does not exist.
@@ -38,7 +41,7 @@ class Paper(Relaxation):
         if limit is None:
             return Relaxed(g * h, (-np.inf,), (self.limit_product,))
         gap = limit * ca.sqrt(ca.fmax(h + 1, 0) + self.smoothing**2)
-        if not name.endswith("position"):  # several stops put their names in front
+        if not name.endswith(DISTANCES):  # several stops put their names in front
             return Relaxed(g * gap, (-np.inf,), (limit,))
         nu = ca.SX.sym("nu")
         return Relaxed(g * (gap - nu), (0.0,), (0.0,), unknowns=(Unknown(nu, 0.0, limit, ca.SX(limit)),))
