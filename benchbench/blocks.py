@@ -154,11 +154,11 @@ def _differentiate(function: ca.Function, folder: Path) -> None:
     """Fill an entry: the functions, then the pattern, whose presence says that both are there."""
     name = function.name()
     z, p, sigma = function.sx_in()
-    out = function(z, p, sigma)
+    out = ca.cse(function(z, p, sigma))  # first here: derivatives of what is shared are then shared, too
     jacobian = ca.jacobian(out, z)
     lam = ca.SX.sym("lam", out.shape[0])
     hessian = ca.triu(ca.hessian(ca.dot(lam, out), z)[0])
-    out, jacobian, hessian = (ca.cse(e) for e in (out, jacobian, hessian))
+    jacobian, hessian = ca.cse(jacobian), ca.cse(hessian)
     made = (
         ca.Function(f"{name}_value", [z, p, sigma], [ca.densify(out)]),
         ca.Function(f"{name}_first", [z, p, sigma], [_nonzeros(jacobian)], {"allow_free": False}),

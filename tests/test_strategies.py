@@ -105,7 +105,7 @@ def of_rows(result: Result, lam_g: Array | None) -> Array:
     return next(
         part.reshape(block.lower.shape)
         for block, part in zip(blocks, parts, strict=True)
-        if block.name == "verlet"
+        if block.name == "verlet_leaving"
     )
 
 

@@ -79,8 +79,8 @@ def legendre_rows(model: Model, q: Array, v: Array, u: Array) -> tuple[Array, Ar
     averaged = transcribe(Verlet(inputs="averaged"), model, one_phase(N, SECONDS))
     values = averaged.mpcc.split(averaged.mpcc.guess) | {"q": q, "v": v, "u": u}
     x = np.concatenate([values[name.name].ravel() for name in averaged.mpcc.variables])
-    rows = evaluate(averaged.mpcc.constraints[0], averaged.mpcc, x)
-    return rows[:, : q.shape[1]], rows[:, q.shape[1] :]
+    leaving, arriving = (evaluate(block, averaged.mpcc, x) for block in averaged.mpcc.constraints[:2])
+    return leaving, arriving
 
 
 def random_flight(seed: int) -> tuple[Array, Array, Array]:

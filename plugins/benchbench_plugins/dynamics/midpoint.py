@@ -42,5 +42,4 @@ def _rule(
     momentum: Gradient, slope: Gradient, q0: ca.SX, v0: ca.SX, q1: ca.SX, v1: ca.SX, h: ca.SX
 ) -> Discrete:
     middle, w = (q0 + q1) / 2, (q1 - q0) / h
-    half, p = h / 2 * slope(middle, w), momentum(middle, w)
-    return Discrete(half - p, half + p, (middle, w), (middle, w))
+    return Discrete(h / 2 * slope(middle, w) - momentum(middle, w), (middle, w), (middle, w))

@@ -50,4 +50,4 @@ def _rule(
 ) -> Discrete:
     w = (q1 - q0) / h
     shared = (momentum(q0, w) + momentum(q1, w)) / 2
-    return Discrete(h / 2 * slope(q0, w) - shared, h / 2 * slope(q1, w) + shared, (q0, v0), (q1, v1))
+    return Discrete(h / 2 * slope(q0, w) - shared, (q0, v0), (q1, v1))
