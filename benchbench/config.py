@@ -139,6 +139,17 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
     return replace(_flight(parts, names, how), task_hash=task_hash(cfg))
 
 
+def scene_parts(cfg: DictConfig) -> tuple[Scenario, Model]:
+    """Make the scenario and the vehicle of a flight only: what it takes to show a plan.
+
+    The other choices may be those of an earlier version, or of a plugin that is not here. Raises BadInput.
+    """
+    scenario, model = (_make(cfg, family) for family in ("scenario", "vehicle"))
+    if isinstance(scenario, ReadyMade):
+        raise BadInput("scenario", f"'{scenario.name}' is no flight", "a flight")
+    return _scenario(scenario), model
+
+
 def _nested(strategy: str, chosen: Mapping[str, Any]) -> str:
     """Name of a strategy with those inside it, the outermost first: multistart(polish(relax))."""
     inner = sorted((key for key in chosen if key.startswith("strategy@strategy.")), key=len)
@@ -163,16 +174,21 @@ def _flight(parts: Mapping[str, Any], names: Mapping[str, str], how: Mapping[str
         raise BadInput(
             "certificate", f"'{names['certificate']}' is for problems that are no flight", "task, race"
         )
-    kind = Race if "track" in parts["scenario"] else Scenario
-    try:
-        scenario = kind(**parts["scenario"])
-    except ValidationError as error:
-        raise invalid("scenario", error, kind.model_fields) from None
-    _check_margins(parts["scenario"])
+    scenario = _scenario(parts["scenario"])
     return Case(
         scenario=scenario, model=parts["vehicle"], dynamics=parts["dynamics"], guess=parts["guess"],
         names={"scenario": scenario.name, **names}, **how,
     )  # fmt: skip
+
+
+def _scenario(values: Mapping[str, Any]) -> Scenario:
+    kind = Race if "track" in values else Scenario
+    try:
+        scenario = kind(**values)
+    except ValidationError as error:
+        raise invalid("scenario", error, kind.model_fields) from None
+    _check_margins(values)
+    return scenario
 
 
 def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:

@@ -102,6 +102,10 @@ def failure(error: Exception, cfg: DictConfig, place: Place | None, **columns: A
 
     columns: what the record should say beside what is known of any failed run.
     """
+    if isinstance(error, MemoryError):
+        traceback.clear_frames(
+            error.__traceback__
+        )  # what the run has hoarded goes, or there is no room for its record
     expected = isinstance(error, EXPECTED)
     told = explained(error) if expected else error
     said = () if isinstance(error, Pruned) else (_complaint(error, told),)

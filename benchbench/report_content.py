@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import OmegaConf
 
 from benchbench import config
 from benchbench.analysis.costs import solve_time
 from benchbench.analysis.naming import flatten, name_runs
-from benchbench.case import Case
 from benchbench.errors import BadInput
-from benchbench.hydra_errors import EXPECTED
+from benchbench.failure import reason
 from benchbench.race.scenario import Race
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.html.page import PlanView, Report
@@ -60,8 +59,9 @@ def content(folders: Sequence[Path], title: str | None, most: int) -> Report:
             plans.append(
                 plan_view(records[i], f"{runs.problem[i]}: {runs.method[i]}", found.folders[i], trees[i])
             )
-        except (*EXPECTED, OSError, ValueError) as error:
-            missing.append(f"The plan of {records[i]['run_id']} is not shown: {error}")
+        except Exception as error:  # noqa: BLE001  # it was written by another version, plugin or program
+            told = str(error) if isinstance(error, (OSError, ValueError)) else reason(error)
+            missing.append(f"The plan of {records[i]['run_id']} is not shown: {told}")
     if len(candidates) > most:
         missing.append(
             f"{most} of {len(candidates)} plans are shown, the best of each problem first; --plans shows more."
@@ -84,16 +84,14 @@ def best_first(runs: pd.DataFrame) -> list[int]:
 def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, Any] | None) -> PlanView:
     """Make the views of a recorded plan.
 
-    Raises ValueError for a recording that cannot be used, BadInput for a configuration that cannot be built
-    here, for example since a plugin is not installed.
+    Raises ValueError for a recording that cannot be used, BadInput for a scenario or vehicle that cannot be
+    built here, for example since a plugin is not installed.
     """
     recording = read_mcap(Path(folder or "", PLAN))
     if tree is None:
         raise ValueError("its configuration is missing")
-    case = config.build(_composed(tree), record)
-    if not isinstance(case, Case):
-        raise ValueError("it is no flight")
-    plan, flight, scenario, model = recording.plan, recording.flight, case.scenario, case.model
+    scenario, model = config.scene_parts(OmegaConf.create(tree))
+    plan, flight = recording.plan, recording.flight
     if isinstance(scenario, Race):
         panels = race_panels(plan, scenario, model, flight)
     else:
@@ -113,10 +111,6 @@ def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, A
         limits=limits(panels, windows, plan.travel_time),
         config=OmegaConf.to_yaml(OmegaConf.create(tree)),
     )
-
-
-def _composed(tree: dict[str, Any]) -> DictConfig:
-    return OmegaConf.create(tree)
 
 
 def _has_plan(folder: Path | None) -> bool:

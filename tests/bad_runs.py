@@ -36,8 +36,10 @@ class Bad(Strategy):
                 pow(3, 10**9)  # one instruction that holds the interpreter for hours
             case "memory":
                 hoard = []
-                while True:
-                    hoard.append(np.ones(10**7))
+                while (
+                    True
+                ):  # not written to: some machines need 5 s for each GB, and the limit counts it anyway
+                    hoard.append(np.empty(10**7))
             case "raise":
                 raise RuntimeError("first line\nout of cheese")
         return Phases().solve(case, ledger)

@@ -94,6 +94,19 @@ def test_no_plan_is_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "does not exist" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("place", [0.1, 0.3])
+def test_a_damaged_plan_is_bad_input_and_never_another_plan(
+    folder: Path, place: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    content = (folder / "plan.mcap").read_bytes()
+    at = int(place * len(content))
+    (tmp_path / "plan.mcap").write_bytes(content[:at] + bytes(40) + content[at + 40 :])
+    assert application.start(["export", str(tmp_path), "--output", str(tmp_path / "x.csv")]) == 2
+    first, second = capsys.readouterr().err.splitlines()
+    assert first == "benchbench: bad input" and "is no plan that can be read" in second
+    assert not (tmp_path / "x.csv").exists()
+
+
 @pytest.mark.skipif(shutil.which("rerun") is None, reason="rerun-sdk is not installed")
 def test_rerun_reads_a_recording(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "plan.rrd"

@@ -253,7 +253,8 @@ def test_sweep_gives_one_row_per_combination_also_for_bad_ones(tmp_path: Path) -
         assert rows.loc[(scenario, 2), "claimed_success"]
     assert done.stderr.count("benchbench: bad input (run ") == 3
     assert "Traceback" not in done.stderr
-    lines = sorted(done.stdout.splitlines()[:-1], key=lambda line: int(line.split()[0]))  # as they ended
+    assert done.stdout.splitlines()[0] == "6 runs to do"
+    lines = sorted(done.stdout.splitlines()[1:-1], key=lambda line: int(line.split()[0]))  # as they ended
     assert len(lines) == 3
     assert lines[0].split()[:3] == ["2", "NOT:", "uncertified"]
     assert done.stdout.splitlines()[-1] == "0 of 6 runs certified"

@@ -124,6 +124,12 @@ def test_bad_calls_are_explained(stored: Path, tmp_path: Path) -> None:
     broken = program(tmp_path, "regress", "--baseline", ".")
     assert broken.returncode == 2
     assert "ratios" in broken.stderr
+    content = json.loads((stored / "base" / "baseline.json").read_text())
+    content["cases"]["small"]["travel_time_s"] = float("nan")  # nothing is worse than that
+    (tmp_path / "baseline.json").write_text(json.dumps(content))
+    unknown = program(tmp_path, "regress", "--baseline", ".")
+    assert unknown.returncode == 2
+    assert "cases.small.travel_time_s" in unknown.stderr
     unknown = program(stored, "regress", "--baseline", "base", "relaxation=nonsense")
     assert unknown.returncode == 2
     assert "nonsense" in unknown.stderr

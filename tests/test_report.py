@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from browser import address, browser, errors
+from omegaconf import OmegaConf
 from selenium.webdriver import ActionChains, Keys
 from selenium.webdriver.common.by import By
 from selenium.webdriver.remote.webdriver import WebDriver
@@ -195,10 +196,13 @@ def test_no_plan_at_all(results: Path) -> None:
     [
         (lambda run: (run / "plan.mcap").write_bytes((run / "plan.mcap").read_bytes()[:5000]), "cannot be read"),
         (lambda run: (run / "plan.mcap").write_bytes(b""), "cannot be read"),
+        (lambda run: overwrite(run / "plan.mcap"), "is not shown"),
         (lambda run: [(run / p).unlink() for p in ("config.yaml", ".hydra/config.yaml")], "configuration is missing"),
         (lambda run: (run / "config.yaml").write_text("vehicle: {_target_: not.Here}"), "scenario"),
         (lambda run: (run / "config.yaml").write_text((run / "config.yaml").read_text().replace(
             "aerial_manipulator.AerialManipulator", "gone.Gone")), "cannot be loaded"),
+        (lambda run: (run / "config.yaml").write_text((run / "config.yaml").read_text().replace(
+            "  kappa_init:", "  kappa:")), "scenario.kappa"),
     ],
 )  # fmt: skip
 def test_a_plan_that_cannot_be_shown_is_told(results: Path, damage: Any, says: str) -> None:
@@ -207,6 +211,25 @@ def test_a_plan_that_cannot_be_shown_is_told(results: Path, damage: Any, says: s
     report = content([results], None, 5)
     assert len(report.plans) == 1 and len(report.runs) == 2
     assert len(report.missing) == 1 and says in report.missing[0]
+
+
+def overwrite(path: Path) -> None:
+    """Damage the middle of a file, as a bad disk does."""
+    content = path.read_bytes()
+    path.write_bytes(content[:3000] + bytes(200) + content[3200:])
+
+
+def test_a_plan_of_an_older_configuration_is_shown(results: Path) -> None:
+    """What a plan was solved with is of no use any more when it is shown."""
+    old, _ = only(results, 2, certified=True)
+    tree = OmegaConf.load(old / "config.yaml")
+    tree.guess = {"_target_": "benchbench_plugins.guesses.phases.Phases"}  # today it needs a start
+    tree.solver._target_ = "gone.Gone"
+    del tree["certificate"]
+    OmegaConf.save(tree, old / "config.yaml")
+    report = content([results], None, 5)
+    assert len(report.plans) == 2 and not report.missing
+    assert "gone.Gone" in render(report)
 
 
 def test_a_row_without_its_folder_is_a_run(results: Path) -> None:

@@ -174,6 +174,21 @@ def test_the_front_has_what_nobody_beats() -> None:
     assert [t.values for t in outcome.front(made)] == [[1.0, 3.0], [2.0, 2.0], [3.0, 1.0]]
 
 
+@pytest.mark.parametrize(
+    ("fixed", "strategy"), [((), "relax"), (("strategy=polish",), "polish"), (("seed=1",), "relax")]
+)
+def test_the_best_configuration_holds_what_its_overrides_imply(
+    fixed: tuple[str, ...], strategy: str, tmp_path: Path
+) -> None:
+    """The runs of a study that tunes a relaxation use one; so must the file, where nothing is implied."""
+    (tmp_path / "tuned").mkdir()
+    text = outcome.as_config({"relaxation.schedule": "[1e-3]"}, fixed, "s", ("+scenario=static",))
+    (tmp_path / "tuned" / "best.yaml").write_text(text)
+    case = config.compose("+scenario=circle", "+tuned=best", f"hydra.searchpath=['file://{tmp_path}']")
+    assert case.names["strategy"].partition("(")[0] == strategy
+    assert case.names["scenario"] == "circle" and list(case.relaxation.schedule) == [1e-3]
+
+
 def test_hydras_syntax_becomes_distributions() -> None:
     space = read(
         ["a=interval(1.0,2.0)", "b=tag(log,interval(1e-4,1e-1))", "c=int(interval(2,9))", "d=x,y", "s=1,2", "+e=3", "f=range(1,7,2)"],

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput
@@ -22,11 +22,11 @@ BASELINE = "baseline.json"
 class _Entry:
     status: str
     certified: bool
-    travel_time_s: float | None
-    objective: float | None
+    travel_time_s: FiniteFloat | None
+    objective: FiniteFloat | None
     iterations: int | None
     evaluations: int | None
-    ratios: Annotated[list[Annotated[float, Field(gt=0.0)]], Field(min_length=5)]
+    ratios: Annotated[list[Annotated[FiniteFloat, Field(gt=0.0)]], Field(min_length=5)]
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,16 @@ import json
 from collections import defaultdict
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from benchbench.certificate.replay import Replay
 from benchbench.errors import Unavailable
 from benchbench.plan import Array, Interpolation, Plan
+
+if TYPE_CHECKING:
+    from mcap.reader import McapReader
 
 TOPICS = [
     "/plan/configuration", "/plan/velocity", "/plan/inputs", "/plan/progress",
@@ -48,24 +51,36 @@ def read_mcap(path: Path) -> Recording:
         from mcap.reader import make_reader
     except ImportError:
         raise Unavailable("recordings: mcap is not installed; pip install 'benchbench[report]'") from None
-    rows: dict[str, list[dict[str, Any]]] = defaultdict(list)
-    schemas: dict[str, dict[str, Any]] = {}
     try:
         with path.open("rb") as file:
-            reader = make_reader(file)
-            for schema, channel, message in reader.iter_messages(topics=TOPICS):
-                rows[channel.topic].append(json.loads(message.data))
-                if schema is not None and channel.topic not in schemas:
-                    schemas[channel.topic] = json.loads(schema.data)
-            config = next((m.metadata.get("config", "") for m in reader.iter_metadata()), "")
+            return _recording(make_reader(file, validate_crcs=True))
+    except (OSError, ValueError):
+        raise
     except McapError as error:
         raise ValueError(f"cannot be read: {type(error).__name__} {error}".rstrip()) from None
-    tables = {topic: _table(schemas[topic], rows[topic]) for topic in schemas}
+    except Exception as error:  # noqa: BLE001  # the readers of a broken file fail in many ways
+        raise ValueError(f"cannot be read: {type(error).__name__}: {error}") from None
+
+
+def _recording(reader: McapReader) -> Recording:
+    tables, config = _tables(reader)
     missing = [topic for topic in TOPICS[:4] if topic not in tables]
     if missing:
         raise ValueError(f"no recording of a plan: {', '.join(missing)} missing")
     plan = _plan(tables)
     return Recording(plan, _flight(tables, plan), config)
+
+
+def _tables(reader: McapReader) -> tuple[dict[str, _Table], str]:
+    """The JSON channels by topic, and the configuration in the metadata."""
+    rows: dict[str, list[dict[str, Any]]] = defaultdict(list)
+    schemas: dict[str, dict[str, Any]] = {}
+    for schema, channel, message in reader.iter_messages(topics=TOPICS):
+        rows[channel.topic].append(json.loads(message.data))
+        if schema is not None and channel.topic not in schemas:
+            schemas[channel.topic] = json.loads(schema.data)
+    config = next((m.metadata.get("config", "") for m in reader.iter_metadata()), "")
+    return {topic: _table(schemas[topic], rows[topic]) for topic in schemas}, config
 
 
 def _table(schema: dict[str, Any], rows: list[dict[str, Any]]) -> _Table:

@@ -21,7 +21,7 @@ class Display:
 
     def __init__(self, runs: int, traced: bool) -> None:
         console = Console(stderr=True)
-        self._traced, self._failures, self._certified = traced, Counter[str](), 0
+        self._runs, self._traced, self._failures, self._certified = runs, traced, Counter[str](), 0
         self._bar = Progress(
             BarColumn(20), MofNCompleteColumn(), TextColumn("{task.description}", markup=False),
             TimeRemainingColumn(), console=console, transient=True, redirect_stdout=sys.stdout.isatty(),
@@ -33,6 +33,8 @@ class Display:
         """Start showing."""
         if self._seen:
             self._bar.start()
+        elif self._runs > 1:
+            print(f"{self._runs} runs to do", flush=True)  # the first one may take long
         return self
 
     def __exit__(

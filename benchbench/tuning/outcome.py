@@ -34,9 +34,16 @@ def front(study: optuna.Study) -> list[FrozenTrial]:
 
 
 def write(
-    study: optuna.Study, objectives: Sequence[str], folder: Path, fixed: Sequence[str]
+    study: optuna.Study,
+    objectives: Sequence[str],
+    folder: Path,
+    fixed: Sequence[str],
+    problem: Sequence[str] = (),
 ) -> dict[str, Path]:
-    """Write trials.csv, front.csv, front.png and the best configuration; returns the paths."""
+    """Write trials.csv, front.csv, front.png and the best configuration; returns the paths.
+
+    fixed: overrides of every run; problem: those of one of the problems.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     best = front(study)
     paths = {"trials": folder / "trials.csv", "front": folder / "front.csv"}
@@ -49,13 +56,17 @@ def write(
         _draw(study, best, objectives, paths["picture"])
         paths["best"] = folder / BEST
         paths["best"].parent.mkdir(exist_ok=True)
-        write_bytes(paths["best"], as_config(best[0].params, fixed, study.study_name).encode())
+        write_bytes(paths["best"], as_config(best[0].params, fixed, study.study_name, problem).encode())
     return paths
 
 
-def as_config(params: Mapping[str, Any], fixed: Sequence[str], name: str) -> str:
-    """YAML that the main command takes with `--config-dir FOLDER +scenario=NAME +tuned=best`."""
+def as_config(params: Mapping[str, Any], fixed: Sequence[str], name: str, problem: Sequence[str] = ()) -> str:
+    """YAML that the main command takes with `--config-dir FOLDER +scenario=NAME +tuned=best`.
+
+    It holds what the overrides imply on the command line, too: in a file nothing is implied.
+    """
     texts = [*fixed, *(f"{field}={value}" for field, value in params.items())]
+    texts = config.meant([*problem, *texts])[len(problem) :]
     fields: dict[str, Any] = {}
     groups = []
     for parsed in OverridesParser.create().parse_overrides(texts):

@@ -41,7 +41,7 @@ def run(
         return [_record(place / str(first + n) / RECORD) for n in range(len(runs))]
 
     search(task, study, space, plan, console.print)
-    paths = outcome.write(study, task.objectives, folder, space.fixed)
+    paths = outcome.write(study, task.objectives, folder, space.fixed, space.problems[0])
     _show(console, task, outcome.front(study))
     for name, path in paths.items():
         console.print(f"{name:8s} {path}")
