@@ -6,7 +6,7 @@ import re
 
 from hydra.errors import HydraException, MissingConfigException, OverrideParseException
 from omegaconf import DictConfig
-from omegaconf.errors import ConfigAttributeError, ConfigKeyError, OmegaConfBaseException
+from omegaconf.errors import ConfigAttributeError, ConfigKeyError, MissingMandatoryValue, OmegaConfBaseException
 from yaml import YAMLError  # type: ignore[import-untyped]
 
 from benchbench.errors import BadInput, BenchBenchError, unknown_choice, unknown_field
@@ -55,6 +55,8 @@ def explained(error: BaseException) -> BenchBenchError:
         cause.parent_node, DictConfig
     ):
         return _absent(cause)
+    if isinstance(cause, MissingMandatoryValue) and cause.full_key:
+        return BadInput(cause.full_key, "is not given and has no default", f"{cause.full_key}=VALUE")
     if isinstance(cause, OmegaConfBaseException):
         return BadInput(cause.full_key or "configuration", _first_line(cause))
     for pattern, *parts in _RULES:

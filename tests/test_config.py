@@ -24,6 +24,7 @@ REFUSED = [
     ("scenario=circle", "scenario", "+scenario=circle"),
     ("+scenario=handover", "scenario", "not a scenario; allowed: circle, delivery, detour, first_robot, linear, mpcc_file, pympcc, race, static, two_free"),
     ("+scenario=static +scenario=circle", "scenario", "chosen twice"),
+    ("+scenario=static guess=previous", "guess.path", "is not given and has no default; allowed: guess.path=VALUE"),
     ("+scenario=static solver=simplex", "solver", "'simplex' does not exist; allowed: "),
     ("+scenario=static +solver=ipopt", "solver", "solver=NAME without the plus sign"),
     ("+scenario=static ~solver", "solver", "solver=NAME with NAME one of "),
