@@ -159,14 +159,14 @@ def test_conditions_of_planners_agree_with_plain_geometry() -> None:
     n, side, up = np.array([0.6, 0, 0.8]), np.array([0, 1.0, 0]), np.array([-0.8, 0, 0.6])
     seen = set()
     for _ in range(400):
-        p = np.array([1, 2, 3]) + random.normal(size=3) * random.choice([0.4, 1e-3])
+        p = np.array([1, 2, 3]) + random.normal(size=3) * random.choice([0.4, 1e-4])
         p -= n * (n @ (p - [1, 2, 3])) * random.choice([0, 1], p=[0.3, 0.7])
         v, nose = random.normal(size=3) * 2.5, random.normal(size=3) + np.array([0.5, 0.9, 0])
         d = p - [1, 2, 3]
         angle = math.remainder(math.atan2(nose[1], nose[0]) - 1.0, 2 * math.pi)
         by_hand = {
-            "opening": abs(n @ d) <= 1e-3 and abs(side @ d) <= 1 and abs(up @ d) <= 0.5,
-            "across": n @ v >= 0.1, "slowest": np.linalg.norm(v) >= 2, "fastest": np.linalg.norm(v) <= 5,
+            "opening": abs(n @ d) <= 1e-4 and abs(side @ d) <= 1 and abs(up @ d) <= 0.5,
+            "across": n @ v >= 1.0, "slowest": np.linalg.norm(v) >= 2, "fastest": np.linalg.norm(v) <= 5,
             "nose": abs(angle) <= 0.1,
         }  # fmt: skip
         state = {"position": p, "velocity": v, "attitude": nose}
@@ -176,3 +176,32 @@ def test_conditions_of_planners_agree_with_plain_geometry() -> None:
             assert holds == by_hand[condition.name], condition.name
             seen.add((condition.name, holds))
     assert len(seen) == 10
+
+
+@pytest.mark.parametrize("direction", ["along", "against", "either"])
+def test_a_gate_to_turn_round_at_is_crossed(direction: str) -> None:
+    """Start and end are on one side: a flight that only touches the plane, or grazes it, is shorter and no crossing."""
+    gate = f"{{x: 0, y: 0, z: 2, width: 1, height: 1, yaw: 0, direction: {direction}}}"
+    ends = ("scenario.start={x: -4, y: 0, z: 2}", "scenario.end={x: -4, y: 3, z: 2}")
+    case = config.compose(
+        "+scenario=race",
+        f"scenario.track=[{gate}]",
+        "scenario.gates=null",
+        "scenario.nodes_per_gate=20",
+        *ends,
+    )
+    done = pipeline.run(case)
+    assert done.certificate.certified, done.certificate.reasons
+    (k,) = np.flatnonzero(done.result.plan.progress > 0.5)[:1]
+    across = done.result.plan.velocity[k, 0]
+    assert {"along": across >= 0.999, "against": across <= -0.999, "either": abs(across) >= 0.999}[direction]
+
+
+def test_a_slow_gate_asks_for_less_speed_across() -> None:
+    gate = {"x": 0, "y": 0, "z": 2, "width": 1, "height": 1, "yaw": 0, "speed": [0.2, 0.6]}
+    (one,) = read([gate], 0.3).lap
+    asked = {condition.name: (condition, numbers) for condition, numbers in conditions(one)}
+    condition, numbers = asked["across"]
+    for speed, holds in ((0.31, True), (0.29, False)):
+        h = condition.h(ca.SX(ca.DM([speed, 0, 0])), ca.SX(ca.DM(numbers)))
+        assert (float(ca.evalf(h)) <= 0) == holds
