@@ -80,7 +80,7 @@ def show_line(number: int, record: Mapping[str, Any], combination: str) -> None:
     verdict = "certified" if record["certified"] else f"NOT: {record['status']}"
     flies = _flies(record) or record["objective"] is None
     found = _number(record["travel_time_s"], ".4f", "s") if flies else f"f = {record['objective']:.6g}"
-    line = Text(f"{number:>4}  ") + Text(f"{verdict:<15}", "green" if record["certified"] else "red")
+    line = Text(f"{number:>4}  ") + Text(f"{verdict:<20}", "green" if record["certified"] else "red")
     gap = "" if record["gap_percent"] is None else f"{record['gap_percent']:+.3f} %"
     line += Text(f"  {found:>9}  {gap:>10}  ", "bold green" if new_best(record) else "") + Text(combination)
     if console.is_terminal:

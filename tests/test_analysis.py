@@ -193,6 +193,14 @@ def test_options_in_which_runs_of_one_choice_differ_are_named() -> None:
     assert named.task.tolist() == ["static (input_cost=1)"] * 2 + ["static (input_cost=2)"]
 
 
+def test_limits_of_the_certificate_are_named_where_they_tell_problems_apart() -> None:
+    """Each kind of scenario has limits of its own; only runs of one scenario can differ in them."""
+    runs = runs_of({}, {}, {"scenario": "race"})
+    limits = [{"certificate": {"rate_ratio": ratio, "end_m": end}} for ratio, end in ((1, 2), (3, 2), (1, 5))]
+    tasks = name_runs(runs, [flatten(tree) for tree in limits]).task.tolist()
+    assert tasks == ["static / rate_ratio=1", "static / rate_ratio=3", "race"]
+
+
 def test_unknown_choices_and_numbers_have_names() -> None:
     named = name_runs(runs_of({"solver": None, "intervals": None, "kappa_init": None}, {}), [None, None])
     assert named.method.tolist() == ["unknown", "ipopt"]

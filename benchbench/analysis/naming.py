@@ -35,7 +35,7 @@ def name_runs(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> pd.Dat
     """
     choices = {family: _with_options(runs, settings, family) for family in (*METHOD, *PROBLEM)}
     general = options(settings, range(len(runs)), lambda name: "." not in name and name not in NEITHER)
-    judged = options(settings, range(len(runs)), lambda name: name.startswith("certificate."))
+    judged = _within(choices["scenario"], settings, lambda name: name.startswith("certificate."))
     method = _join([*_varying({f: choices[f] for f in METHOD}, ("relaxation", "solver")), general])
     task = _join([*_varying({f: choices[f] for f in PROBLEM}, ("scenario",)), judged])
     numbers = [[_number(label, value) for value in runs[column]] for column, label in NUMBERS.items()]
@@ -47,11 +47,18 @@ def name_runs(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> pd.Dat
 def _with_options(runs: pd.DataFrame, settings: Sequence[Settings | None], family: str) -> list[str]:
     """Name of the choice of each run, with the options in which runs of the same choice differ."""
     names = [str(name) if isinstance(name, str) else "unknown" for name in runs[family]]
-    for choice in set(names):
-        same = [i for i, name in enumerate(names) if name == choice]
-        for i, text in zip(same, options(settings, same, lambda name: _optional(name, family)), strict=True):
-            names[i] += f" ({text})" if text else ""
-    return names
+    texts = _within(names, settings, lambda name: _optional(name, family))
+    return [f"{name} ({text})" if text else name for name, text in zip(names, texts, strict=True)]
+
+
+def _within(names: Sequence[str], settings: Sequence[Settings | None], wanted: Any) -> list[str]:
+    """For each run, its values of the wanted fields that differ among the runs of the same name."""
+    texts = [""] * len(names)
+    for name in set(names):
+        same = [i for i, other in enumerate(names) if other == name]
+        for i, text in zip(same, options(settings, same, wanted), strict=True):
+            texts[i] = text
+    return texts
 
 
 def _optional(name: str, family: str) -> bool:

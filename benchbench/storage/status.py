@@ -81,6 +81,7 @@ class Status(StrEnum):
     )
     ERROR = (
         "error",
-        "the run stopped with an error",
-        "read `reasons`; if the text does not name a wrong input, please report it as a bug",
+        "the run stopped with an error, its own or the solver's",
+        "read `reasons`; where a solver gave up, try another guess, accuracy or option of it; where neither it nor a "
+        "wrong input is named, please report a bug",
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
+from collections.abc import Collection
 from types import TracebackType
 from typing import Self, final
 
@@ -19,8 +20,10 @@ from benchbench.sweep.job import Job
 class Display:
     """A context that shows the ends of runs."""
 
-    def __init__(self, runs: int, traced: bool) -> None:
+    def __init__(self, runs: int, traced: bool, shared: Collection[str] = ()) -> None:
+        """Take the number of runs, whether to show where errors came from, and overrides not worth repeating."""
         console = Console(stderr=True)
+        self._shared = frozenset(shared)
         self._runs, self._traced, self._failures, self._certified = runs, traced, Counter[str](), 0
         self._bar = Progress(
             BarColumn(20), MofNCompleteColumn(), TextColumn("{task.description}", markup=False),
@@ -46,11 +49,12 @@ class Display:
 
     def ended(self, job: Job, end: Ended) -> None:
         """Show how a run ended."""
+        combination = " ".join(text for text in job.overrides if text not in self._shared)
         for complaint in end.complaints:
-            where = f"{complaint.kind} (run {job.number}: {job.describe()})"
+            where = f"{complaint.kind} (run {job.number}: {combination})"
             summary.complain(where, complaint.text, complaint.trace if self._traced else "")
         if end.record is not None and not end.complaints:
-            summary.show_line(job.number, end.record, job.describe())
+            summary.show_line(job.number, end.record, combination)
         status = str(end.record["status"]) if end.record else "bad input"
         self._certified += status == "certified"
         self._failures[status] += status != "certified"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf, open_dict, read_write
+from omegaconf import DictConfig, open_dict, read_write
 
 from benchbench.execution import Place
 from benchbench.settings import Settings
@@ -57,6 +57,7 @@ class Job:
         """How it is carried out. Raises BadInput."""
         return Settings.of(self.case)
 
-    def describe(self) -> str:
+    @property
+    def overrides(self) -> list[str]:
         """The overrides that make this combination."""
-        return " ".join(OmegaConf.to_container(self.config.hydra.overrides.task))  # type: ignore[arg-type]
+        return [str(text) for text in self.config.hydra.overrides.task]

@@ -55,7 +55,7 @@ def sweep(
     if codes:
         note = f"{len(codes)} of {len(jobs)} runs are in the table and are skipped; rerun=all runs them again"
         Console(highlight=False).print(note, soft_wrap=True)
-    with Display(len(tasks) + len(unfit), traced) as display:
+    with Display(len(tasks) + len(unfit), traced, _shared(jobs)) as display:
         for job, end in unfit:
             display.ended(job, end)
             codes[job.number] = end.code
@@ -65,3 +65,8 @@ def sweep(
                 display.ended(job, end)
                 codes[job.number] = end.code
     return [codes[job.number] for job in jobs]
+
+
+def _shared(jobs: Sequence[Job]) -> set[str]:
+    """Overrides that all of several combinations have."""
+    return set.intersection(*(set(job.overrides) for job in jobs)) if len(jobs) > 1 else set()

@@ -13,6 +13,8 @@ from benchbench.report.html.charts.chart import Chart, Styles, figure, line, log
 
 LEAST = 1e-6
 """Smallest cost that counts, so that a cost of zero has a logarithm."""
+LEAST_SPAN = 5.0
+"""Smallest ratio of the ends of the axis, so that it has more than one label."""
 
 
 def performance(runs: pd.DataFrame, styles: Styles) -> Chart:
@@ -77,7 +79,7 @@ def _draw(
     made = figure(unit, "share of problems [%]", names=profiles)
     places = np.concatenate([x for x, _ in profiles.values()])
     left = float(np.min(places)) * 0.8 if start is None else start
-    right = float(np.max(places)) * 1.25
+    right = max(float(np.max(places)) * 1.25, LEAST_SPAN * left)
     for method, (x, share) in profiles.items():
         base = [] if start is not None and len(x) and x[0] <= start else [left]
         made.add_scatter(

@@ -17,6 +17,8 @@ from benchbench.report.panel import Band, Curve, Panel, Points, span
 from benchbench.report.style import CONTACT, CURVES, FAINT, INK, LIMIT
 
 COLUMNS, ROW_PX = 2, 128
+TITLE_LETTERS = 34
+"""Longest title that fits on a narrow page in the usual size."""
 
 
 def limits(panels: Sequence[Panel], windows: Sequence[tuple[float, float]], travel_time: float) -> go.Figure:
@@ -32,7 +34,8 @@ def limits(panels: Sequence[Panel], windows: Sequence[tuple[float, float]], trav
     axis = {"gridcolor": GRID, "zeroline": False, "tickcolor": FAINT, "tickfont": {"size": 10}, "nticks": 5}
     made.update_xaxes(range=[0.0, travel_time], **axis)
     made.update_yaxes(**axis, exponentformat="power")
-    made.update_annotations(font={"size": 12, "color": INK})
+    for annotation, panel in zip(made.layout.annotations, panels, strict=True):
+        annotation.font = {"size": 12 if len(_words(panel)) <= TITLE_LETTERS else 10, "color": INK}
     made.update_layout(
         template="none", height=ROW_PX * rows + 20, font={"family": FONT, "color": INK, "size": 11}, showlegend=False,
         margin={"l": 44, "r": 10, "t": 24, "b": 24}, paper_bgcolor=CLEAR, plot_bgcolor=CLEAR,
@@ -45,15 +48,25 @@ def limits(panels: Sequence[Panel], windows: Sequence[tuple[float, float]], trav
 def _title(panel: Panel) -> str:
     """Quantity and unit, and the names of several curves in their colours."""
     title = f"{panel.title} [{panel.unit}]"
-    if len(panel.curves) == 1:
-        return title
+    pairs = zip(_labels(panel), _colors(panel), strict=False)
+    names = [f'<span style="color:{color}">{escape(label)}</span>' for label, color in pairs]
+    return f"{title}: {' '.join(names)}" if names else title
+
+
+def _words(panel: Panel) -> str:
+    """The title without its colours."""
+    return " ".join([f"{panel.title} [{panel.unit}]:", *_labels(panel)])
+
+
+def _labels(panel: Panel) -> list[str]:
+    """Short names of several curves; one curve needs none."""
     labels = [curve.label.replace("_", " ") for curve in panel.curves]
+    if len(labels) == 1:
+        return []
     words, _, last = zip(*(label.rpartition(" ") for label in labels), strict=True)
     if len(set(words)) == 1:  # motor 1, motor 2, ...
-        labels = [labels[0], *last[1:]]
-    pairs = zip(labels, _colors(panel), strict=True)
-    names = [f'<span style="color:{color}">{escape(label)}</span>' for label, color in pairs]
-    return f"{title}: {' '.join(names)}"
+        return [labels[0], *last[1:]]
+    return labels
 
 
 def _draw(made: go.Figure, panel: Panel, row: int, column: int) -> None:

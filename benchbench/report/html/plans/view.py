@@ -17,8 +17,8 @@ FRAMES = 60
 MARGIN_M = 0.15
 ABOVE = (0.0, 0.0, 0.6)
 """Where the number of a gate stands, from its centre, m."""
-LENGTH = 1.3
-"""Length of the longest axis, in Plotly's unit; a longer one leaves the picture."""
+DIAGONAL, LONGEST = 2.1, 1.6
+"""Diagonal of the space and its longest axis, in Plotly's unit; more leaves the picture."""
 
 
 def view(scene: Scene) -> go.Figure:
@@ -150,7 +150,7 @@ def _space(scene: Scene) -> dict[str, Any]:
         for i, name in enumerate("xyz")
     }  # fmt: skip
     size = high - low
-    share = size / np.max(size) * LENGTH
+    share = size * min(DIAGONAL / np.linalg.norm(size), LONGEST / np.max(size))
     return {
         **axes, "aspectmode": "manual", "aspectratio": dict(zip("xyz", share.tolist(), strict=True)),
         "domain": {"x": [0.0, 1.0], "y": [0.14, 1.0]}, "camera": {"eye": {"x": -0.85, "y": -1.4, "z": 0.75}},

@@ -17,10 +17,17 @@
     Plotly.relayout(limits, change);
   };
 
+  // the picture is as wide as it is high; a narrow page needs more distance
+  const fitted = (figure, width) => {
+    const eye = figure.layout.scene.camera.eye, distance = Math.max(1, 560 / width);
+    for (const axis of ["x", "y", "z"]) eye[axis] *= distance;
+    return figure;
+  };
+
   const open = async (plan) => {
     const view = plan.querySelector(".view"), limits = plan.querySelector(".limits");
     await Plotly.newPlot(limits, read(plan.querySelector(".limits-data")));
-    await Plotly.newPlot(view, read(plan.querySelector(".view-data")));
+    await Plotly.newPlot(view, fitted(read(plan.querySelector(".view-data")), view.clientWidth));
     view.on("plotly_animatingframe", (event) => moveCursor(limits, Number(event.name)));
     plan.dataset.drawn = "yes";
   };
