@@ -68,6 +68,38 @@ def derivatives(
     """
     root = cache_root()
     folders = [_folder(f, root) for f in functions]
+    often = [True] * len(functions) if instances is None else [n >= MANY for n in instances]
+    wanted = [(folder, compile, instances is None, n) for folder, n in zip(folders, often, strict=True)]
+    if any(_LOADED.get(key, (None,))[0] != _stamp(key[0]) for key in wanted):
+        found = _from_disk(functions, folders, compile, instances)
+        stamps = map(_stamp, folders)
+        _LOADED.update(zip(wanted, zip(stamps, found, strict=True), strict=True))
+    return [_LOADED[key][1] for key in wanted]
+
+
+Stamp = tuple[tuple[int, int] | None, ...]
+_LOADED: dict[tuple[Path, Compile, bool, bool], tuple[Stamp, Derivatives]] = {}
+"""What this process has loaded: a strategy of several solves builds nearly the same problem many times."""
+
+
+def _stamp(folder: Path) -> Stamp:
+    """Time and size of the files of an entry: what was loaded is good as long as nobody touches them."""
+    found: list[tuple[int, int] | None] = []
+    for name in (FUNCTIONS, PATTERN, LIBRARY):
+        try:
+            status = os.stat(folder / name)
+            found.append((status.st_mtime_ns, status.st_size))
+        except OSError:
+            found.append(None)
+    return tuple(found)
+
+
+def _from_disk(
+    functions: Sequence[ca.Function],
+    folders: Sequence[Path],
+    compile: Compile,
+    instances: Sequence[int] | None,
+) -> list[Derivatives]:
     by_folder = dict(zip(folders, functions, strict=True))
     with _lacking(by_folder, FUNCTIONS, PATTERN) as missing:
         for folder in missing:

@@ -28,13 +28,14 @@ class Windows:
     """Windows by their first node k: kappa_init nodes from k on.
 
     start: what a first solve starts from, and any that fails from elsewhere; known: a solved window of nearly the same
-    problem, whose multipliers the first solve starts from.
+    problem, whose multipliers the first solve starts from; bounded: use lower bounds, which a mere start does not need.
     """
 
     case: Case
     ledger: Ledger
     start: Plan
     known: Result | None = None
+    bounded: bool = True
     found: dict[int, Result] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -57,8 +58,10 @@ class Windows:
 
     @property
     def nearest(self) -> int:
-        """The window nearest to the contact of `start`."""
-        return next(iter(nearest_windows(self.case, self.start).values()), (self._lowest(),))[0]
+        """The window nearest to the contact of `start`; if it has none, the one with the lowest bound."""
+        for window in nearest_windows(self.case, self.start).values():
+            return window[0]
+        return int(np.argmin(self.bounds))
 
     @property
     def valley(self) -> float:
@@ -117,8 +120,9 @@ class Windows:
         return Account(solved, len(self.found) - solved, int(pruned), len(rest) - int(pruned))
 
     def _open(self, k: int) -> bool:
-        inside = 0 <= k < len(self.bounds)
-        return inside and k not in self.found and self.bounds[k] < self.best.objective
+        last = self.case.scenario.intervals + 1 - self.count
+        new = 0 <= k <= last and k not in self.found
+        return new and not (self.bounded and self.bounds[k] >= self.best.objective)
 
     def _solve(self, k: int) -> None:
         """From the nearest solved window with its multipliers; if that fails, from the start without."""
@@ -133,9 +137,6 @@ class Windows:
     def _near(self, k: int) -> Result | None:
         good = [other for other, result in self.found.items() if result.claimed]
         return self.found[min(good, key=lambda other: abs(other - k))] if good else self.known
-
-    def _lowest(self) -> int:
-        return int(np.argmin(self.bounds))
 
 
 def coarser(case: Case, levels: int) -> Iterable[Case]:

@@ -99,7 +99,7 @@ def test_failing_compiler_is_reported(
 def test_damaged_entry_is_made_again(root: Path, name: str, damage: str) -> None:
     """In a process of its own: a truncated library kills whoever loads it."""
     needs_gcc()
-    derivatives([curved()])
+    assert elsewhere().wait(60) == 0
     path = only(root, name)
     content = path.read_bytes()
     half = len(content) // 2

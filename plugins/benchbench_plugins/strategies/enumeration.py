@@ -42,10 +42,11 @@ class Enumeration(Strategy):
 
     def _search(self, case: Case, ledger: Ledger) -> Result:
         coarsest, *finer = coarser(case, self.levels)
-        windows = Windows(coarsest, ledger, first_plan(case, ledger))
+        windows = Windows(coarsest, ledger, first_plan(case, ledger), bounded=not finer)
         windows.descend(windows.nearest)
         for level in finer:
-            last, windows = windows, Windows(level, ledger, windows.best.plan, windows.best)
+            last, best, finest = windows, windows.best, level is finer[-1]
+            windows = Windows(level, ledger, best.plan, best, bounded=finest)
             windows.descend(windows.first_at(last.valley))
         if self.exhaustive:
             windows.exhaust()
