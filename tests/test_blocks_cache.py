@@ -69,6 +69,15 @@ def test_second_call_needs_no_compiler(monkeypatch: pytest.MonkeyPatch) -> None:
     assert derivatives([curved()])[0].compiled
 
 
+def test_what_is_loaded_is_kept_while_its_entry_stands(root: Path) -> None:
+    (first,) = derivatives([curved()], "never")
+    assert derivatives([curved()], "never")[0] is first
+    shutil.rmtree(only(root, "pattern.npz").parent)
+    again = derivatives([curved()], "never")[0]
+    assert again is not first
+    check(again)
+
+
 def test_other_numbers_are_another_entry(root: Path) -> None:
     derivatives([curved(), curved(factor=3.0), curved("other")], "never")
     assert len(list(root.rglob("functions.casadi"))) == 3
