@@ -6,10 +6,10 @@
 Travel time and CPU time against the number of gates (before the end) for each method of `race_runs`: (a) with 40 nodes
 per gate, as the paper; (b) with the fewest of `NODES` that replay each gate to 1 cm. Runs stand in the CSV file, one
 row as soon as it is done; the same command again goes on where it stopped, `--plot` only draws what is there and prints
-it. A run is stopped when its process has spent `--cpu-limit` seconds; finer grids then count as stopped too and are not
-run. Runs above `--repeat-below` seconds are not repeated. Before the first run of a new file each method begins the
-largest race and is stopped, so that no run that counts pays for a compiler. 6 gates are left out: the sixth is where
-the end is. `--prefix` is put before each child's command.
+it. A run is stopped when its process has spent `--cpu-limit` seconds, and no finer grid is tried then for (b). Runs above
+`--repeat-below` seconds are not repeated. Before the first run of a new file each method begins the largest race and is
+stopped, so that no run that counts pays for a compiler. 6 gates are left out: the sixth is where the end is.
+`--prefix` is put before each child's command.
 """
 
 from __future__ import annotations
@@ -49,12 +49,10 @@ def wanted(runs: Sequence[Run], repeats: int, repeat_below: float) -> Iterator[K
 
 def needed(first: dict[int, Run]) -> set[int]:
     """Nodes per gate to run: `EQUAL`, and finer and finer until the accuracy or the limit of CPU time is reached."""
-    found: set[int] = set()
+    found = {EQUAL}
     for nodes in NODES:
         found.add(nodes)
-        if nodes not in first or first[nodes].accurate:
-            return found | {EQUAL}
-        if first[nodes].status == STOPPED:
+        if nodes not in first or first[nodes].accurate or first[nodes].status == STOPPED:
             break
     return found
 
@@ -66,7 +64,7 @@ def main() -> None:
     parser.add_argument("picture", type=Path)
     parser.add_argument("--plot", action="store_true")
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--repeat-below", type=float, default=30.0)
+    parser.add_argument("--repeat-below", type=float, default=10.0)
     parser.add_argument("--cpu-limit", type=float, default=150.0)
     parser.add_argument("--prefix", default="", help="command put before each run's, such as 'nice -n 10'")
     said = parser.parse_args()

@@ -98,7 +98,7 @@ def _points(axes: Axes, x: Sequence[float], y: Sequence[float], runs: Sequence[R
 
 def _by_gates(axes: Axes, gates: Sequence[int], labels: Sequence[str]) -> None:
     axes.set_xscale("log")
-    axes.set_xticks(gates, labels, minor=False, fontsize=9)
+    axes.set_xticks(gates, labels, minor=False, fontsize=8)
     axes.minorticks_off()
     axes.set_xlim(0.88 * gates[0], 1.25 * gates[-1])
     axes.grid(color="#e6e6e6", linewidth=0.6)

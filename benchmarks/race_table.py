@@ -40,7 +40,8 @@ def _at_equal(run: Run) -> str:
         return f"stopped after {run.cpu_s:g} s at {run.nodes} nodes"
     if not np.isfinite(run.travel_time_s):
         return run.status
-    error = f"{1e3 * run.drift_m:.3g}" if np.isfinite(run.drift_m) else "?"
+    millimetres = 1e3 * run.drift_m
+    error = f"{millimetres:.0f}" if millimetres > 100 else f"{millimetres:.2g}"
     said = f"{run.travel_time_s:.4f}, {run.cpu_s:.2f}, {error}"
     return (
         said
