@@ -82,6 +82,8 @@ def _choices(family: str, more: str | None) -> list[str]:
 
 
 def _file(error: OSError) -> BadInput:
+    if error.filename is None:  # a file that is open already, as on a full disk
+        return BadInput("output", f"cannot write: {error.strerror or error}", "a folder with free space")
     path = Path(str(error.filename))
     if path.is_file() and not os.access(path, os.R_OK):
         return BadInput(str(path), f"cannot be read: {error.strerror}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import hashlib
 import re
 import tempfile
@@ -30,6 +31,8 @@ CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2
 KILLED = (Timeout, Crash, OutOfMemory)
 NO_INPUT = (*KILLED, NoPlan)
 """Errors that are about neither the input nor our own code."""
+FULL = (errno.ENOSPC, errno.EDQUOT)
+"""Numbers of the system's errors for a disk, or a user's share of it, that is full."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +109,8 @@ def failure(error: Exception, cfg: DictConfig, place: Place | None, **columns: A
         traceback.clear_frames(
             error.__traceback__
         )  # what the run has hoarded goes, or there is no room for its record
+    if isinstance(error, OSError) and error.errno in FULL:
+        error = BadInput("output", f"cannot write: {error.strerror}", "a folder with free space")
     expected = isinstance(error, EXPECTED)
     told = explained(error) if expected else error
     said = () if isinstance(error, Pruned) else (_complaint(error, told),)
@@ -117,7 +122,8 @@ def failure(error: Exception, cfg: DictConfig, place: Place | None, **columns: A
         try:
             store(record, place)
         except BenchBenchError as refused:
-            return Ended(BAD_INPUT, None, {}, (*said, Complaint("bad input", str(refused))))
+            also = () if isinstance(told, BadInput) and told.field == "output" else said
+            return Ended(BAD_INPUT, None, {}, (*also, Complaint("bad input", str(refused))))
         return Ended(code, record, {}, said)
     with contextlib.suppress(OSError):
         place.folder.rmdir()  # Hydra made it for nothing; only an empty one goes

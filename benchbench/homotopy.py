@@ -91,7 +91,7 @@ def homotopy(
             smoothed = smoothed.after(point.x, sigma)
             best = Solved(outcome, *_original(mpcc, relaxed, point.x), sigma, relaxed)
             if path.enough and residuals(mpcc, best.x).max_product <= path.enough:
-                break
+                pending.clear()
         elif best is not None and retries > 0:
             retries -= 1
             pending.extendleft((sigma, sqrt(sigma * best.sigma)))
@@ -99,6 +99,8 @@ def homotopy(
             break
     if outcome is None:
         raise ValueError("relaxation.schedule is empty")
+    if pending and outcome.claim == "solved" and ledger.seconds_left <= 0.1:
+        outcome = replace(outcome, claim="time_limit", detail=f"no time was left for sigma = {pending[0]:g}")
     if best is not None and path.retries:  # the claim is that of the whole path
         return replace(best, outcome=replace(best.outcome, claim=outcome.claim, detail=outcome.detail))
     return Solved(outcome, *_original(mpcc, relaxed, outcome.point.x), sigma, relaxed)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pandas as pd
@@ -16,6 +18,7 @@ from omegaconf import OmegaConf
 from test_program import listen, on_terminal, program, records
 
 from benchbench.execution import Ended
+from benchbench.storage.collect import collect
 from benchbench.storage.schema import make_record
 from benchbench.storage.table import read
 from benchbench.sweep.display import Display
@@ -236,6 +239,28 @@ def test_a_limit_changes_nothing_else_of_a_single_run(tmp_path: Path) -> None:
     assert answers(free / "results").equals(answers(limited / "results"))
     (run,) = (limited / "results" / "runs").glob("*/*")
     assert {"config.yaml", "plan.mcap", "plan.png", "record.json"} <= {path.name for path in run.iterdir()}
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A file system of 250 kB."""
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=250k", "tmpfs", str(disk)]
+    if shutil.which("mount") is None or subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("may not mount a file system")
+    yield disk
+    subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_a_disk_that_fills_up_is_named_and_costs_no_earlier_row(small_disk: Path) -> None:
+    done = program(small_disk, *SWEEP, "workers=1")
+    assert done.returncode == 2, done.stderr
+    said = [line for line in done.stderr.splitlines() if not line.startswith("benchbench: bad input")]
+    assert said and all(line.startswith("  output: cannot write") for line in said), done.stderr
+    stored = collect([small_disk / "results"])  # a record, its source, may be there without its row
+    assert not stored.problems and 0 < stored.rows.num_rows <= RUNS
+    assert set(read(small_disk / "results")["run_id"]) <= set(stored.rows["run_id"].to_pylist())
 
 
 def test_the_display_counts_what_is_done_by_how_it_ended(capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_program import program
+from test_program import assert_refused, program
 
 from benchbench.errors import BadInput
 from benchbench.regression import baseline
@@ -109,6 +109,7 @@ def test_a_bad_matrix_is_refused(tmp_path: Path, text: str, named: str) -> None:
 
 
 def test_bad_calls_are_explained(stored: Path, tmp_path: Path) -> None:
+    assert_refused(program(tmp_path, "regress", "--base", "x"), "benchbench regress", "--base")
     none = program(tmp_path, "regress")
     assert none.returncode == 2
     assert "--baseline" in none.stderr and "matrix.yaml" in none.stderr

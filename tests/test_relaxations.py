@@ -365,3 +365,10 @@ def test_handover_ends_with_an_honest_verdict(name: str, coarse: Case) -> None:
     again = residuals(done.result.problem.mpcc, done.result.solved.x)
     if not again.max_complementarity <= coarse.limits.complementarity:
         assert any("complementarity" in reason for reason in done.certificate.reasons)
+
+
+def test_a_schedule_that_ran_out_of_time_is_no_success() -> None:
+    """The first sigma is solved, but the plan is one of a relaxation that nobody asked for."""
+    small = next(one for one in by_hand() if one.name == "ralph2")
+    done = homotopy(small.mpcc, case("scholtes"), Ledger(0.1), "test")
+    assert done.outcome.claim == "time_limit" and done.sigma == case("scholtes").relaxation.schedule[0]

@@ -223,6 +223,7 @@ def test_a_file_says_the_same_as_the_command_line() -> None:
         (("scenario.intervals=20,30", "hydra.sweeper.sampler=guess"), "hydra.sweeper.sampler"),
         (("scenario.intervals=20,30", "hydra.sweeper.storage=nowhere://x"), "hydra.sweeper.storage"),
         (("scenario.intervals=20,30", "hydra.sweeper.n_trials=0"), "hydra.sweeper.n_trials"),
+        (("scenario.intervals=20,30", "hydra.sweeper.seed=-1"), "hydra.sweeper.seed"),
         (("scenario.intervals=20,30", "hydra.sweeper.prune=true"), "hydra.sweeper.prune"),
         (
             ("scenario.intervals=20,30", "hydra.sweeper.prune=steps", "hydra.sweeper.objectives=[wall_s]"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import subprocess
 import sys
@@ -13,6 +12,7 @@ from rich.console import Console
 from rich.progress import track
 from rich.table import Table
 
+from benchbench.arguments import Parser
 from benchbench.errors import BadInput
 from benchbench.regression import baseline
 from benchbench.regression.compare import Change, compare
@@ -43,13 +43,18 @@ def run(arguments: Sequence[str]) -> int:
     )
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser("benchbench regress", description=__doc__, exit_on_error=True)
+def _parser() -> Parser:
+    parser = Parser("regress", "Has anything become worse? See docs/regression.md.")
     parser.add_argument(
-        "--baseline", default="results/baseline", help="folder of matrix.yaml and baseline.json"
+        "--baseline",
+        default="results/baseline",
+        metavar="DIR",
+        help="folder of matrix.yaml and baseline.json",
     )
     parser.add_argument("--update", action="store_true", help="measure and store a new baseline")
-    parser.add_argument("overrides", nargs="*", help="overrides for every case, as in the main command")
+    parser.add_argument(
+        "overrides", nargs="*", metavar="OVERRIDE", help="overrides for every case, as in the main command"
+    )
     return parser
 
 

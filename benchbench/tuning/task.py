@@ -59,6 +59,12 @@ class Task:
             raise BadInput(
                 "hydra.sweeper.n_trials", f"{n_trials!r} was given", "a whole number of at least 1"
             )
+        if seed is not None and (
+            isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**32
+        ):
+            raise BadInput(
+                "hydra.sweeper.seed", f"{seed!r} was given", "null, or a whole number from 0 to 2^32 - 1"
+            )
         kind = PRUNE[0] if prune is True else prune or ""
         _check_prune(kind, objectives)
         return cls(study_name, storage, n_trials, tuple(objectives), sampler, seed, kind)
