@@ -10,9 +10,10 @@ time, path and inputs of the start. A strategy may be any overrides: `relaxation
 with it, so its seeds disturb the plan of phases. A run counts as done only for the commit that made it (docs/sweeps.md):
 where commits go on, run this in a clone of its own.
 
-Prints a Markdown table of all runs in the folder, one line per method, scenario and N, or per `--by`. The best known travel
-time of a task is the best certified one of these runs and of results/best_known.yaml; travel times and their spread are
-those of claimed plans, certified or not. CPU seconds and iterations are those of a run's solvers, guess included.
+Prints a Markdown table of the runs in the folder with these N and seeds, one line per method, scenario and N, or per `--by`.
+The best known travel time of a task is the best certified one of these runs and of results/best_known.yaml; travel times and
+their spread are those of claimed plans, certified or not. CPU seconds and iterations are those of a run's solvers, guess
+included.
 """
 
 from __future__ import annotations
@@ -112,7 +113,8 @@ def main() -> None:
     asked = parser.parse_args()
     for strategy in [] if asked.only_table else asked.strategies:
         sweep(asked.output, strategy, asked.grids, asked.seeds, asked.more)
-    print(table(judged(read(asked.output)), asked.by))
+    runs = judged(read(asked.output))
+    print(table(runs[runs.intervals.isin(asked.grids) & runs.seed.isin(asked.seeds)], asked.by))
 
 
 if __name__ == "__main__":
