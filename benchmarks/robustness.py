@@ -21,8 +21,9 @@ from __future__ import annotations
 import argparse
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -38,11 +39,12 @@ RELAXATIONS = (
 RELAXING = ("relax", "warm", "continuation")
 """Strategies, or parts of their names, in which the relaxation plays a part."""
 ALLOWED = 0.005
+TASK = {"scenario", "N"}
 BY = {"method": "method", "scenario": "scenario", "N": "intervals", "seed": "seed"}
 """What lines of the table can be told apart by, and its column."""
-HEAD = (
-    "runs", "claimed", "certified", "within 0.5 %", "travel time s", "spread", "largest gap", "iterations", "CPU s", "most",
-)  # fmt: skip
+COUNTS = ("runs", "claimed", "certified", "within 0.5 %", "largest gap", "iterations", "CPU s", "most")
+TIMES = ("travel time s", "spread")
+"""For lines that are about one task."""
 
 
 def sweep(root: Path, strategy: str, grids: Sequence[int], seeds: Sequence[int], more: Sequence[str]) -> None:
@@ -74,9 +76,35 @@ def min_of(one: float, other: float) -> float:
 def table(runs: pd.DataFrame, by: Sequence[str]) -> str:
     """One line per combination of `by`."""
     groups = runs.groupby([BY[name] for name in by], sort=True, dropna=False)
-    lines = [f"| {' | '.join((*by, *HEAD))} |", "|---" * (len(by) + len(HEAD)) + "|"]
-    lines += [f"| {' | '.join(map(str, (*names, *_cells(group))))} |" for names, group in groups]
+    one_task = set(by) >= TASK
+    head = [*by, *COUNTS, *(TIMES if one_task else ())]
+    lines = [_line(head), "|---" * len(head) + "|"]
+    lines += [
+        _line([*names, *_counts(group), *(_times(group) if one_task else ())]) for names, group in groups
+    ]
     return "\n".join(lines)
+
+
+def wide(runs: pd.DataFrame) -> str:
+    """One line per method, one cell per scenario with every run: its travel time, bold if certified, else what happened."""
+    lines = [_line(["method", *SCENARIOS]), "|---" * (1 + len(SCENARIOS)) + "|"]
+    for method, group in runs.sort_values(["intervals", "seed"]).groupby("method"):
+        cells = ["; ".join(map(_cell, group[group.scenario == s].to_dict("records"))) for s in SCENARIOS]
+        lines.append(_line([method, *(cell or "-" for cell in cells)]))
+    return "\n".join(lines)
+
+
+def _line(cells: Sequence[object]) -> str:
+    return f"| {' | '.join(map(str, cells))} |"
+
+
+def _cell(run: Mapping[Hashable, Any]) -> str:
+    if pd.isna(run["travel_time_s"]):
+        return str(run["status"])
+    effort = f"{run['iterations']} it, {run['solve_cpu_s']:.1f} s"
+    if run["certified"]:
+        return f"**{run['travel_time_s']:.4f}**, {effort}"
+    return f"{run['status']} ({run['travel_time_s']:.3f}), {effort}"
 
 
 def _method(strategy: object, relaxation: object) -> str:
@@ -85,17 +113,20 @@ def _method(strategy: object, relaxation: object) -> str:
     return f"{name}: {relaxation}" if any(part in name for part in RELAXING) else name
 
 
-def _cells(group: pd.DataFrame) -> tuple[object, ...]:
-    near, gaps = int((group.gap <= ALLOWED).sum()), group.gap.dropna()
-    claimed = group[group.claimed.astype(bool)]
-    one_task = group.task_hash.nunique() == 1 and len(claimed)
-    times = claimed.travel_time_s
+def _counts(group: pd.DataFrame) -> tuple[object, ...]:
+    gaps = group.gap.dropna()
     return (
-        len(group), len(claimed), int(group.certified.sum()), near, f"{times.median():.4f}" if one_task else "-",
-        f"{100 * (times.max() / times.min() - 1):.3f} %" if one_task else "-",
+        len(group), int(group.claimed.sum()), int(group.certified.sum()), int((gaps <= ALLOWED).sum()),
         f"{100 * gaps.max():.3f} %" if len(gaps) else "-",
         f"{group.iterations.median():.0f}", f"{group.solve_cpu_s.median():.2f}", f"{group.solve_cpu_s.max():.2f}",
     )  # fmt: skip
+
+
+def _times(group: pd.DataFrame) -> tuple[str, str]:
+    times = group[group.claimed.astype(bool)].travel_time_s
+    if times.empty:
+        return "-", "-"
+    return f"{times.median():.4f}", f"{100 * (times.max() / times.min() - 1):.3f} %"
 
 
 def main() -> None:
@@ -109,12 +140,14 @@ def main() -> None:
     parser.add_argument("--seeds", nargs="+", type=int, default=SEEDS, metavar="SEED")
     parser.add_argument("--with", nargs="+", default=[], dest="more", metavar="OVERRIDE")
     parser.add_argument("--by", nargs="+", default=["method", "scenario", "N"], choices=BY)
+    parser.add_argument("--wide", action="store_true", help="a column per scenario with every run")
     parser.add_argument("--only-table", action="store_true", help="run nothing")
     asked = parser.parse_args()
     for strategy in [] if asked.only_table else asked.strategies:
         sweep(asked.output, strategy, asked.grids, asked.seeds, asked.more)
     runs = judged(read(asked.output))
-    print(table(runs[runs.intervals.isin(asked.grids) & runs.seed.isin(asked.seeds)], asked.by))
+    wanted = runs[runs.intervals.isin(asked.grids) & runs.seed.isin(asked.seeds)]
+    print(wide(wanted) if asked.wide else table(wanted, asked.by))
 
 
 if __name__ == "__main__":

@@ -13,16 +13,16 @@ from benchbench.storage.table import append, read
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 
-from robustness import judged, table
+from robustness import judged, table, wide
 
 
 @pytest.fixture
 def lines(tmp_path: Path) -> list[list[str]]:
-    """Cells of a table by method of seven rows of one task: its best is 2.5 s, of a plan of phases."""
+    """Cells of a table of seven rows of one task: its best is 2.5 s, of a plan of phases."""
     for number, values in enumerate(ROWS):
         standard = {"task_hash": "one", "config_hash": str(number), "seed": 1, "iterations": 10}
         append(row(f"{number:03}", **{**standard, **values}), tmp_path)
-    found = table(judged(read(tmp_path)), ["method"]).splitlines()
+    found = table(judged(read(tmp_path)), ["method", "scenario", "N"]).splitlines()
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in found]
 
 
@@ -46,7 +46,7 @@ ROWS: tuple[dict[str, Any], ...] = (
 def test_one_line_per_relaxation_and_one_count_per_run(lines: list[list[str]]) -> None:
     names = [line[0] for line in lines[2:]]
     assert names == ["phases", "relax: direct", "relax: paper"]
-    assert [line[1:5] for line in lines[2:]] == [
+    assert [line[3:7] for line in lines[2:]] == [
         ["1", "1", "1", "1"],
         ["2", "0", "0", "0"],
         ["3", "3", "2", "1"],
@@ -60,3 +60,18 @@ def test_gaps_and_travel_times(lines: list[list[str]]) -> None:
     assert cells["relax: paper"]["travel time s"] == "2.5100"
     assert cells["relax: paper"]["spread"] == "30.000 %"
     assert cells["relax: direct"]["largest gap"] == "-"
+
+
+def test_wide_shows_every_run_in_its_scenario(tmp_path: Path) -> None:
+    """In the order of seeds; bold is certified, and a run without a plan still has its status."""
+    runs: tuple[dict[str, Any], ...] = (
+        {"seed": 2, "travel_time_s": 2.6, "certified": False, "status": "uncertified"},
+        {"seed": 1, "travel_time_s": 2.5},
+        {"seed": 1, "scenario": "circle", "travel_time_s": None, "certified": False, "status": "crash"},
+    )
+    for number, values in enumerate(runs):
+        standard = {"task_hash": "one", "config_hash": str(number), "iterations": 10}
+        append(row(f"{number:03}", **{**standard, **values}), tmp_path)
+    *_, line = wide(judged(read(tmp_path))).splitlines()
+    both = "**2.5000**, 10 it, 0.3 s; uncertified (2.600), 10 it, 0.3 s"
+    assert line == f"| relax: scholtes | {both} | - | crash |"
