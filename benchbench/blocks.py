@@ -186,7 +186,9 @@ def _differentiate(function: ca.Function, folder: Path) -> None:
     """Fill an entry: the functions, then the pattern, whose presence says that both are there."""
     name = function.name()
     z, p, sigma = function.sx_in()
-    out = ca.cse(function(z, p, sigma))  # first here: derivatives of what is shared are then shared, too
+    out = function(z, p, sigma)
+    if function.n_instructions() >= SMALL:
+        out = ca.cse(out)  # derivatives of what is shared are then shared, too
     jacobian = ca.jacobian(out, z)
     lam = ca.SX.sym("lam", out.shape[0])
     hessian = ca.triu(ca.hessian(ca.dot(lam, out), z)[0])
