@@ -16,7 +16,7 @@ from flights import table_one
 
 from benchbench import config
 from benchbench.case import Case
-from benchbench.conformance.checks import contacts, dynamics, models, relaxations, solvers
+from benchbench.conformance.checks import contacts, dynamics, models, orders, relaxations, solvers
 from benchbench.conformance.checks.programs import known
 from benchbench.conformance.checks.smooth_programs import hs071, quadratic
 from benchbench.contact import Condition, Target
@@ -79,8 +79,8 @@ class HandVerlet(Dynamics):
 
 def test_the_unspoilt_one_passes() -> None:
     for check in (
-        dynamics.check_order,
-        dynamics.check_consistency,
+        orders.check_order,
+        orders.check_consistency,
         dynamics.check_reading,
         dynamics.check_cost,
     ):
@@ -92,7 +92,7 @@ def test_the_unspoilt_one_passes() -> None:
     [HandVerlet(both_at_start=True), HandVerlet(1.0, 0.0), HandVerlet(0.0, 1.0), HandVerlet(0.5, 0.55)],
     ids=["forces at q_k only", "all force on leaving", "all force on arriving", "weights do not sum to one"],
 )
-@pytest.mark.parametrize("check", [dynamics.check_order, dynamics.check_consistency])
+@pytest.mark.parametrize("check", [orders.check_order, orders.check_consistency])
 def test_force_of_first_order(broken: Dynamics, check: Callable[[Dynamics, Model], str]) -> None:
     with pytest.raises(AssertionError, match="order"):
         check(broken, Pendulum())
@@ -100,16 +100,16 @@ def test_force_of_first_order(broken: Dynamics, check: Callable[[Dynamics, Model
 
 def test_force_at_one_end_needs_damping_to_show() -> None:
     """Why the test pendulum is damped: with forces that do not depend on the state the error hides."""
-    dynamics.check_order(HandVerlet(both_at_start=True), Pendulum(damping=0.0))
+    orders.check_order(HandVerlet(both_at_start=True), Pendulum(damping=0.0))
 
 
 def test_step_of_the_wrong_interval() -> None:
     """Each interval reads its neighbour's step: no error at all with equal steps, one on three phases."""
     spoilt, model = HandVerlet(shift=1), Pendulum()
-    dynamics.check_order(spoilt, model)
+    orders.check_order(spoilt, model)
     with pytest.raises(AssertionError, match="order"):
-        dynamics.check_phases(spoilt, model)
-    dynamics.check_phases(HandVerlet(), model)
+        orders.check_phases(spoilt, model)
+    orders.check_phases(HandVerlet(), model)
 
 
 def test_forgotten_rate_limits() -> None:
@@ -133,7 +133,7 @@ class WrongOrder(HandVerlet):
 
 def test_claimed_order_too_high() -> None:
     with pytest.raises(AssertionError, match=r"order 2\.\d+, declared 3"):
-        dynamics.check_order(WrongOrder(), Pendulum())
+        orders.check_order(WrongOrder(), Pendulum())
 
 
 # ---------------------------------------------------------------- models

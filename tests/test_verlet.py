@@ -12,8 +12,8 @@ from scipy.optimize import root
 
 from benchbench import config
 from benchbench.case import Ledger
-from benchbench.conformance.checks.dynamics import check_consistency, check_order, energy_errors
 from benchbench.conformance.checks.initial_value import integrate, one_phase, told, transcribe
+from benchbench.conformance.checks.orders import check_consistency, check_order, energy_errors
 from benchbench.conformance.checks.states import at_rest
 from benchbench.formulation import phases
 from benchbench.guess import straight_line

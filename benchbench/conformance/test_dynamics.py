@@ -1,4 +1,4 @@
-"""Every installed dynamics on every installed model against `checks.dynamics`."""
+"""Every installed dynamics on every installed model against `checks.dynamics` and `checks.orders`."""
 
 from __future__ import annotations
 
@@ -8,13 +8,8 @@ import numpy as np
 import pytest
 
 from benchbench.conformance.candidates import Candidate, candidates
-from benchbench.conformance.checks.dynamics import (
-    CHECKS,
-    check_consistency,
-    check_order,
-    check_phases,
-    energy_errors,
-)
+from benchbench.conformance.checks.dynamics import CHECKS
+from benchbench.conformance.checks.orders import check_consistency, check_order, check_phases, energy_errors
 from benchbench.dynamics import Dynamics
 from benchbench.model import Model
 
