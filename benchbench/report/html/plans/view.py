@@ -19,6 +19,8 @@ ABOVE = (0.0, 0.0, 0.6)
 """Where the number of a gate stands, from its centre, m."""
 DIAGONAL, LONGEST = 2.1, 1.6
 """Diagonal of the space and its longest axis, in Plotly's unit; more leaves the picture."""
+UNDER_SPACE = {"len": 0.35, "x": 0.5, "xanchor": "center", "y": 0.075, "yanchor": "bottom"}
+"""Where the colours of a race are explained: between the buttons and the time."""
 
 
 def view(scene: Scene) -> go.Figure:
@@ -84,7 +86,7 @@ def _coloured_path(scene: Scene) -> go.Scatter3d:
     """The path of a race in the colours of its speed."""
     x, y, z = np.asarray(scene.tool, np.float32).T
     speed = scene.speed.astype(np.float32)
-    bar = {"title": {"text": "m/s"}, "thickness": 12, "len": 0.5, "x": 1.0, "xanchor": "right"}
+    bar = {"title": {"text": "m/s", "side": "right"}, "orientation": "h", **UNDER_SPACE, "thickness": 8, "nticks": 4}
     return go.Scatter3d(
         x=x, y=y, z=z, mode="lines", name="path", showlegend=False, customdata=speed,
         line={"color": speed, "colorscale": "Plasma", "cmin": 0.0, "width": 6, "colorbar": bar, "showscale": True},
