@@ -48,12 +48,13 @@ class BestKnown:
         return cls(entries)
 
     def compare(self, record: Record) -> dict[str, float]:
-        """Return the record's columns `best_known_s` and, of a certified plan, `gap_percent`."""
+        """Return the record's columns `best_known_s` and, of a certified plan, `gap_percent` to 1e-6 %."""
         if record["task_hash"] not in self.entries:
             return {}
         best, time = float(self.entries[record["task_hash"]]["travel_time_s"]), net_time(record)
-        gap = {"gap_percent": 100 * (time / best - 1)} if time is not None and record["certified"] else {}
-        return {"best_known_s": best, **gap}
+        if time is None or not record["certified"]:
+            return {"best_known_s": best}
+        return {"best_known_s": best, "gap_percent": round(100 * (time / best - 1), 6) + 0.0}  # never -0.0
 
     def save(self, path: Path) -> None:
         """Write all entries, ordered by what people call the task; raises BadInput when the disk refuses."""

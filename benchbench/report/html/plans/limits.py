@@ -37,8 +37,8 @@ def limits(panels: Sequence[Panel], windows: Sequence[tuple[float, float]], trav
     for annotation, panel in zip(made.layout.annotations, panels, strict=True):
         annotation.font = {"size": 12 if len(_words(panel)) <= TITLE_LETTERS else 10, "color": INK}
     made.update_layout(
-        template="none", height=ROW_PX * rows + 20, font={"family": FONT, "color": INK, "size": 11}, showlegend=False,
-        margin={"l": 44, "r": 10, "t": 24, "b": 24}, paper_bgcolor=CLEAR, plot_bgcolor=CLEAR,
+        template="none", height=ROW_PX * rows + 38, font={"family": FONT, "color": INK, "size": 11}, showlegend=False,
+        margin={"l": 44, "r": 10, "t": 42, "b": 24}, paper_bgcolor=CLEAR, plot_bgcolor=CLEAR,
         modebar={"bgcolor": CLEAR, "color": FAINT, "activecolor": INK},
         hovermode="closest", shapes=[*_cursors(len(panels)), *_windows(len(panels), windows), *_bounds(panels)],
     )  # fmt: skip

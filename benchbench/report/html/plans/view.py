@@ -86,7 +86,13 @@ def _coloured_path(scene: Scene) -> go.Scatter3d:
     """The path of a race in the colours of its speed."""
     x, y, z = np.asarray(scene.tool, np.float32).T
     speed = scene.speed.astype(np.float32)
-    bar = {"title": {"text": "m/s", "side": "right"}, "orientation": "h", **UNDER_SPACE, "thickness": 8, "nticks": 4}
+    bar = {
+        "title": {"text": "m/s", "side": "right"},
+        "orientation": "h",
+        **UNDER_SPACE,
+        "thickness": 8,
+        "nticks": 4,
+    }
     return go.Scatter3d(
         x=x, y=y, z=z, mode="lines", name="path", showlegend=False, customdata=speed,
         line={"color": speed, "colorscale": "Plasma", "cmin": 0.0, "width": 6, "colorbar": bar, "showscale": True},
