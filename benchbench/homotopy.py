@@ -18,6 +18,8 @@ from benchbench.solver import Outcome, Point, Prepared, Progress, Setup
 
 GOOD = ("solved", "iteration_limit")
 """Claims after which it is worth to go on from where the solver stopped."""
+IN_TIME = 0.9
+"""A solver hears its time limit when it is built. It is built again once less than this share of that is left."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ def homotopy(
     Each sigma starts from the last good point with fresh multipliers. A sigma that fails does not stop the
     schedule: the next one starts where the failed one did, because nothing leads back from where IPOPT found
     no feasible point or diverged. The last word is the certificate's. Spent time stops it. Held unknowns of a
-    relaxation move on after each solve that claims success; only then it is built again.
+    relaxation move on after each solve that claims success; then it is built again, and where the time runs out.
 
     near: a solved problem in whose solution this one is guessed. It gives the multipliers of what both have (see
     `carried`), and there is nowhere to be led: only the last sigma is solved.
@@ -71,6 +73,7 @@ def homotopy(
         watch = ledger.watch.stage(stage, where) if ledger.watch else None
         solve = _prepare(relaxed, case, ledger, watch, near is not None)
         point = Point(relaxed.guess) if near is None else carried(relaxed, near)
+    granted = ledger.seconds_left
     path = path or Path(case.relaxation.schedule)
     schedule = path.schedule if mpcc.pairs else (0.0,)
     pending = deque(schedule if near is None else schedule[-1:])
@@ -78,10 +81,12 @@ def homotopy(
     while pending:
         sigma = pending.popleft()
         if smoothed.mpcc is not relaxed:
-            with ledger.building():
-                relaxed = smoothed.mpcc
-                solve = _prepare(relaxed, case, ledger, watch)
+            relaxed, granted = smoothed.mpcc, np.inf
             point = Point(np.clip(point.x, relaxed.lower, relaxed.upper))
+        if ledger.seconds_left < IN_TIME * granted:
+            with ledger.building():
+                solve = _prepare(relaxed, case, ledger, watch, near is not None)
+            granted = ledger.seconds_left
         outcome = _finite(solve(sigma, point), point)
         ledger.count(outcome, stage)
         ledger.step(stage, sigma, _travel_time(outcome, where))

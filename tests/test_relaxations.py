@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import final
@@ -24,6 +24,7 @@ from benchbench.mpcc import Block, Mpcc, Pair, PairKind, Variable, evaluate, row
 from benchbench.pipeline import run
 from benchbench.plan import Array, Plan
 from benchbench.relaxation import relax, smooth
+from benchbench.solver import Outcome, Point, Prepared, Setup, Solver
 
 NAMES = sorted(p.stem for p in Path(folder(), "relaxation").glob("*.yaml") if p.stem != "none")
 """All but "none", which leaves the pairs to a solver that takes them."""
@@ -372,3 +373,40 @@ def test_a_schedule_that_ran_out_of_time_is_no_success() -> None:
     small = next(one for one in by_hand() if one.name == "ralph2")
     done = homotopy(small.mpcc, case("scholtes"), Ledger(0.1), "test")
     assert done.outcome.claim == "time_limit" and done.sigma == case("scholtes").relaxation.schedule[0]
+
+
+@dataclass(frozen=True)
+class Slow(Solver):
+    """IPOPT, slower by `extra` seconds on the ledger's clock; keeps what each solve was granted and what was left."""
+
+    ledger: Ledger
+    extra: float
+    inner: Solver = field(default_factory=lambda: case("scholtes").solver)
+    told: list[tuple[float, float]] = field(default_factory=list)
+
+    def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
+        solve = self.inner.prepare(mpcc, setup)
+
+        def slowly(sigma: float, start: Point) -> Outcome:
+            self.told.append((setup.seconds, self.ledger.seconds_left))
+            self.ledger.began -= self.extra
+            return solve(sigma, start)
+
+        return slowly
+
+    def native_options(self, setup: Setup) -> dict[str, object]:
+        return self.inner.native_options(setup)
+
+    def version(self) -> str:
+        return self.inner.version()
+
+
+@pytest.mark.parametrize("name", ["scholtes", "augmented_lagrangian"])
+def test_no_sigma_is_granted_much_more_time_than_is_left(name: str) -> None:
+    """Sigmas that are all granted what the first one was would take up to twice the limit of the run."""
+    small = next(one for one in by_hand() if one.name == "ralph2")
+    ledger = Ledger(100.0)
+    slow = Slow(ledger, 30.0)
+    homotopy(small.mpcc, replace(case(name), solver=slow), ledger, "test")
+    assert len(slow.told) == len(case(name).relaxation.schedule) > 2
+    assert all(granted <= 1.2 * left for granted, left in slow.told)
