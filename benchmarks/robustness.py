@@ -4,11 +4,14 @@
     OMP_NUM_THREADS=1 python benchmarks/robustness.py --strategies phases --grids 100 --seeds 1 2 3
     OMP_NUM_THREADS=1 python benchmarks/robustness.py --strategies relaxation=scholtes,paper --by method
     OMP_NUM_THREADS=1 python benchmarks/robustness.py --only-table --by method N
+    python benchmarks/robustness.py --output results/relaxations.csv --only-table --by method scenario
 
 One ordinary, isolated, resumable sweep per strategy: scenarios x N x seeds; a seed above 0 disturbs contact time, travel
 time, path and inputs of the start. A strategy may be any overrides: `relaxation=NAME` takes strategy=relax and guess=phases
 with it, so its seeds disturb the plan of phases. A run counts as done only for the commit that made it (docs/sweeps.md):
 where commits go on, run this in a clone of its own.
+
+`--keep FILE.csv` writes what the tables are made of, and `--output FILE.csv --only-table` makes them from it.
 
 Prints a Markdown table of the runs in the folder with these N and seeds, one line per method, scenario and N, or per `--by`.
 The best known travel time of a task is the best certified one of these runs and of results/best_known.yaml; travel times and
@@ -43,6 +46,11 @@ ALLOWED = 0.005
 TASK = {"scenario", "N"}
 BY = {"method": "method", "scenario": "scenario", "N": "intervals", "seed": "seed"}
 """What lines of the table can be told apart by, and its column."""
+KEPT = (
+    "scenario", "intervals", "seed", "strategy", "relaxation", "guess", "status", "claimed_success", "certified",
+    "travel_time_s", "best_known_s", "iterations", "solve_cpu_s", "started_at", "git_commit", "config_hash", "task_hash",
+)  # fmt: skip
+"""Columns of `--keep`."""
 COUNTS = (
     "runs", "claimed", "claimed near it", "certified", "within 0.5 %", "largest gap", "iterations", "CPU s", "most",
 )  # fmt: skip
@@ -145,12 +153,15 @@ def main() -> None:
     parser.add_argument("--with", nargs="+", default=[], dest="more", metavar="OVERRIDE")
     parser.add_argument("--by", nargs="+", default=["method", "scenario", "N"], choices=BY)
     parser.add_argument("--wide", action="store_true", help="a column per scenario with every run")
+    parser.add_argument("--keep", type=Path, metavar="FILE.csv", help="write the runs of the table")
     parser.add_argument("--only-table", action="store_true", help="run nothing")
     asked = parser.parse_args()
     for strategy in [] if asked.only_table else asked.strategies:
         sweep(asked.output, strategy, asked.grids, asked.seeds, asked.more)
-    runs = judged(read(asked.output))
+    runs = judged(pd.read_csv(asked.output) if asked.output.suffix == ".csv" else read(asked.output))
     wanted = runs[runs.intervals.isin(asked.grids) & runs.seed.isin(asked.seeds)]
+    if asked.keep:
+        wanted[list(KEPT)].to_csv(asked.keep, index=False, float_format="%.7g")
     print(wide(wanted) if asked.wide else table(wanted, asked.by))
 
 

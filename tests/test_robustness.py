@@ -13,7 +13,7 @@ from benchbench.storage.table import append, read
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 
-from robustness import judged, table, wide
+from robustness import judged, main, table, wide
 
 
 @pytest.fixture
@@ -46,10 +46,12 @@ ROWS: tuple[dict[str, Any], ...] = (
 def test_one_line_per_relaxation_and_one_count_per_run(lines: list[list[str]]) -> None:
     names = [line[0] for line in lines[2:]]
     assert names == ["phases", "relax: direct", "relax: paper"]
-    assert [line[3:7] for line in lines[2:]] == [
-        ["1", "1", "1", "1"],
-        ["2", "0", "0", "0"],
-        ["3", "3", "2", "1"],
+    head = ["runs", "claimed", "claimed near it", "certified", "within 0.5 %"]
+    assert [line[3:8] for line in lines[:1] + lines[2:]] == [
+        head,
+        ["1", "1", "1", "1", "1"],
+        ["2", "0", "0", "0", "0"],
+        ["3", "3", "2", "2", "1"],
     ]
 
 
@@ -75,3 +77,24 @@ def test_wide_shows_every_run_in_its_scenario(tmp_path: Path) -> None:
     *_, line = wide(judged(read(tmp_path))).splitlines()
     both = "**2.5000**, 10 it, 0.3 s; uncertified (2.600), 10 it, 0.3 s"
     assert line == f"| relax: scholtes | {both} | - | crash |"
+
+
+def test_the_table_can_be_made_from_the_rows_that_were_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for number, values in enumerate(ROWS):
+        standard = {
+            "task_hash": "one",
+            "config_hash": str(number),
+            "seed": 1,
+            "iterations": 10,
+            "intervals": 100,
+        }
+        append(row(f"{number:03}", **{**standard, **values}), tmp_path)
+    said = []
+    for options in (["--output", str(tmp_path), "--keep", str(tmp_path / "rows.csv")],
+                    ["--output", str(tmp_path / "rows.csv")]):  # fmt: skip
+        monkeypatch.setattr(sys, "argv", ["robustness.py", "--only-table", *options])
+        main()
+        said.append(capsys.readouterr().out)
+    assert said[0] == said[1] and said[0].count("\n") == 2 + 3
