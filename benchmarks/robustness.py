@@ -158,6 +158,10 @@ def main() -> None:
     asked = parser.parse_args()
     for strategy in [] if asked.only_table else asked.strategies:
         sweep(asked.output, strategy, asked.grids, asked.seeds, asked.more)
+    if not asked.output.exists():
+        parser.error(
+            f"--output: {asked.output} does not exist; allowed: a folder of results or rows of --keep"
+        )
     runs = judged(pd.read_csv(asked.output) if asked.output.suffix == ".csv" else read(asked.output))
     wanted = runs[runs.intervals.isin(asked.grids) & runs.seed.isin(asked.seeds)]
     if asked.keep:
