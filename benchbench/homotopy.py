@@ -71,9 +71,8 @@ def homotopy(
         offsets = relaxed.offsets
         where = (offsets["T"], relaxed.split(relaxed.guess)["T"].size) if "T" in offsets else None
         watch = ledger.watch.stage(stage, where) if ledger.watch else None
-        solve = _prepare(relaxed, case, ledger, watch, near is not None)
         point = Point(relaxed.guess) if near is None else carried(relaxed, near)
-    granted = ledger.seconds_left
+    granted = np.inf  # nothing is built yet
     path = path or Path(case.relaxation.schedule)
     schedule = path.schedule if mpcc.pairs else (0.0,)
     pending = deque(schedule if near is None else schedule[-1:])
@@ -156,9 +155,7 @@ def _travel_time(outcome: Outcome, where: tuple[int, int] | None) -> float | Non
     return float(outcome.point.x[where[0] : where[0] + where[1]].sum())
 
 
-def _prepare(
-    relaxed: Mpcc, case: Task, ledger: Ledger, watch: Progress | None, warm: bool = False
-) -> Prepared:
+def _prepare(relaxed: Mpcc, case: Task, ledger: Ledger, watch: Progress | None, warm: bool) -> Prepared:
     if relaxed.pairs and not case.solver.native_pairs:
         solver, relaxation = case.names["solver"], case.names["relaxation"]
         problem = f"'{relaxation}' leaves the pairs to the solver, but '{solver}' takes none"

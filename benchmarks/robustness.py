@@ -156,6 +156,8 @@ def main() -> None:
     parser.add_argument("--keep", type=Path, metavar="FILE.csv", help="write the runs of the table")
     parser.add_argument("--only-table", action="store_true", help="run nothing")
     asked = parser.parse_args()
+    if asked.output.suffix == ".csv" and not asked.only_table:
+        parser.error(f"--output: {asked.output} holds rows; with them --only-table, for runs a folder")
     for strategy in [] if asked.only_table else asked.strategies:
         sweep(asked.output, strategy, asked.grids, asked.seeds, asked.more)
     if not asked.output.exists():
