@@ -1,22 +1,30 @@
 """Speed of the main jobs, one thread, medians: `python benchmarks/speed.py [repeats]`.
 
-Prints a Markdown table. Each repeat is a fresh process; CPU seconds count children (the compiler) too. How cost grows
-with N, and against other ways to write the problem, is in `benchmarks/growth.py`.
+Prints a Markdown table. Each repeat is a fresh process; CPU seconds count children (the compiler) too. Before and after
+each of them a fixed nonlinear program is solved, the reference of `benchbench regress`: the column of references is the
+median of CPU time over that of the reference: it tells a slow machine from slow code. How cost grows with N, and
+against other ways to write the problem, is in `benchmarks/growth.py`.
 """
 
 from __future__ import annotations
 
-import json
 import os
+
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import json
 import resource
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 from benchbench import config
+from benchbench.regression.reference import Reference
 
 WINDOW = """
 import json, sys, time
@@ -73,12 +81,14 @@ print(json.dumps({"cpu": cpu, "wall": wall, "iterations": iterations}))
 """
 NODES = {"static": 42, "linear": 43, "circle": 48}
 MODES = {"auto": "compiled", "never": "interpreted"}
+REFERENCES: list[float] = []
+"""CPU seconds of the reference beside each measurement."""
 
 
 def main() -> None:
     """Measure and print."""
     repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 5
-    print("| what | scenario | CPU s, median (min to max) | note |\n|---|---|---|---|")
+    print("| what | scenario | CPU s, median (min to max) | references | note |\n|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as scratch:
         for name, node in NODES.items():
             for mode in MODES:
@@ -91,9 +101,10 @@ def main() -> None:
         for name in NODES:
             _replans(name, scratch)
         for name in NODES:
-            runs = [_whole(name, scratch) for _ in range(repeats)]
+            runs = [_beside(lambda name=name: _whole(name, scratch)) for _ in range(repeats)]
             note = f"{max(r['memory'] for r in runs):.0f} MB, exit code {runs[0]['code']}"
-            _row("whole default run, imports included", name, [r["cpu"] for r in runs], note)
+            _row("whole default run, imports included", name, runs, ("cpu",), note)
+    _row("the reference", "", [{"cpu": cpu, "reference": cpu} for cpu in REFERENCES], ("cpu",), "")
 
 
 def _windows(name: str, node: int, mode: str, repeats: int, scratch: str) -> None:
@@ -101,22 +112,23 @@ def _windows(name: str, node: int, mode: str, repeats: int, scratch: str) -> Non
         cold = _run(WINDOW, empty, name, str(node), mode)
     runs = [_run(WINDOW, scratch, name, str(node), mode) for _ in range(repeats + 1)][1:]
     note = f"cold {cold['build']:.2f} s CPU, {cold['wall'] - cold['solve']:.2f} s wall"
-    _row(f"build N=100, from the cache, {MODES[mode]}", name, [r["build"] for r in runs], note)
+    _row(f"build N=100, from the cache, {MODES[mode]}", name, runs, ("build",), note)
     note = f"{runs[0]['iterations']} iterations, {runs[0]['travel_time']:.4f} s"
-    _row(f"one window solve N=100, {MODES[mode]}", name, [r["solve"] for r in runs], note)
+    _row(f"one window solve N=100, {MODES[mode]}", name, runs, ("solve",), note)
 
 
 def _strategies(name: str, strategy: str, mode: str, repeats: int, scratch: str) -> None:
     runs = [_run(STRATEGY, scratch, name, strategy, mode) for _ in range(repeats + 1)][1:]
     note = f"{runs[0]['iterations']} iterations, {runs[0]['travel_time']:.4f} s"
     what = f"strategy={strategy} N=100, build and solve, {MODES[mode]}"
-    _row(what, name, [r["build"] + r["solve"] for r in runs], note)
+    _row(what, name, runs, ("build", "solve"), note)
 
 
 def _replans(name: str, scratch: str) -> None:
     found = _run(REPLAN, scratch, name, "50")
     middle, wall = (statistics.median(found[k]) for k in ("iterations", "wall"))
-    _row("one replan N=50", name, found["cpu"], f"{middle:.0f} iterations, wall {wall:.3f} s")
+    runs = [{"cpu": cpu, "reference": found["reference"]} for cpu in found["cpu"]]
+    _row("one replan N=50", name, runs, ("cpu",), f"{middle:.0f} iterations, wall {wall:.3f} s")
 
 
 def _environment(scratch: str) -> dict[str, str]:
@@ -125,8 +137,25 @@ def _environment(scratch: str) -> dict[str, str]:
 
 def _run(code: str, scratch: str, *arguments: str) -> dict:
     command = [sys.executable, "-c", code, *arguments]
-    done = subprocess.run(command, env=_environment(scratch), check=True, capture_output=True, text=True)
-    return json.loads(done.stdout)
+
+    def run() -> dict:
+        done = subprocess.run(command, env=_environment(scratch), check=True, capture_output=True, text=True)
+        return json.loads(done.stdout)
+
+    return _beside(run)
+
+
+def _beside(run: Callable[[], dict]) -> dict:
+    """Run one measurement between two solves of the reference in this process."""
+    before = _reference().cpu_s()
+    found = run()
+    REFERENCES.append((before + _reference().cpu_s()) / 2)
+    return {**found, "reference": REFERENCES[-1]}
+
+
+@cache
+def _reference() -> Reference:
+    return Reference()
 
 
 def _whole(name: str, scratch: str) -> dict[str, float]:
@@ -142,9 +171,14 @@ def _whole(name: str, scratch: str) -> dict[str, float]:
     return {"cpu": cpu, "wall": time.perf_counter() - began, "memory": memory, "code": done.returncode}
 
 
-def _row(what: str, scenario: str, values: list[float], note: str) -> None:
+def _row(what: str, scenario: str, runs: list[dict], keys: tuple[str, ...], note: str) -> None:
+    """One line; `keys` name the CPU times of a run that add up."""
+    values = [sum(run[key] for key in keys) for run in runs]
     middle, low, high = statistics.median(values), min(values), max(values)
-    print(f"| {what} | {scenario} | {middle:.3f} ({low:.3f} to {high:.3f}) | {note} |", flush=True)
+    ratio = statistics.median(value / run["reference"] for value, run in zip(values, runs, strict=True))
+    print(
+        f"| {what} | {scenario} | {middle:.3f} ({low:.3f} to {high:.3f}) | {ratio:.2f} | {note} |", flush=True
+    )
 
 
 if __name__ == "__main__":
