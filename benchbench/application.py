@@ -18,7 +18,7 @@ from benchbench import __version__, commands, config, summary
 from benchbench.errors import BadInput
 from benchbench.execution import BAD_INPUT, CERTIFIED, execute
 from benchbench.hydra_errors import EXPECTED, explained
-from benchbench.overrides import carried, relaxing
+from benchbench.overrides import carried, implying
 from benchbench.sweep.job import Job
 from benchbench.sweep.single import isolated, limited
 from benchbench.sweep.sweep import Engine, here, sweep
@@ -65,7 +65,7 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
     if options.multirun:
         new = dict(zip(options.overrides, carried(options.overrides), strict=True))
         sys.argv[1:] = [new.get(a, a) for a in arguments]
-    elif relaxing(options.overrides):
+    elif implying(options.overrides):
         sys.argv += config.meant(options.overrides, options.config_dir)[len(options.overrides) :]
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach us, we say them in one message
     call = _Call(traced)

@@ -45,7 +45,7 @@ class Derivatives:
 
     value(z, p, sigma) -> out; jacobian(z, p, sigma) -> nonzeros of d out / dz at (`rows`, `columns`);
     hessian(z, p, sigma, lam) -> nonzeros of the upper triangle of d2 (lam . out) / dz2 at
-    (`hessian_rows`, `hessian_columns`). compiled: or not worth it.
+    (`hessian_rows`, `hessian_columns`). compiled: they are, or it would not pay.
     """
 
     value: ca.Function

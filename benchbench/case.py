@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from benchbench.guess import Guess
     from benchbench.strategy import Strategy
 
+SHORTEST = 0.1
+"""Wall seconds that any solve is granted."""
 GUESS = "guess"
 """How the names of stages begin that only make an initial guess."""
 
@@ -162,8 +164,13 @@ class Ledger:
 
     @property
     def seconds_left(self) -> float:
-        """Wall seconds left for the next solve, at least 0.1."""
-        return max(self.time_limit - (time.perf_counter() - self.began), 0.1)
+        """Wall seconds left for the next solve, at least `SHORTEST`."""
+        return max(self.time_limit - (time.perf_counter() - self.began), SHORTEST)
+
+    @property
+    def over(self) -> bool:
+        """Whether no time is left for another solve."""
+        return self.seconds_left <= SHORTEST
 
 
 class Watch:

@@ -116,7 +116,7 @@ def meant(overrides: Sequence[str], more: str | None = None) -> list[str]:
             return meant(overrides, more)
     own = [f"hydra.searchpath=['file://{Path(more).absolute()}']"] if more else []
     cfg = hydra.compose("config", [*overrides, *own], return_hydra_config=True)
-    return [*overrides, *implied(overrides, cfg.hydra.runtime.choices)]
+    return [*overrides, *implied(overrides, cfg)]
 
 
 def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:

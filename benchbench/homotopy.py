@@ -40,8 +40,9 @@ class Solved:
 class Path:
     """Values of sigma other than the relaxation's own schedule, for a start from far away.
 
+    In the end the last point solved counts, not the last one tried.
     retries  how often in all a sigma that fails is reached for again from the last one solved, over a sigma
-             between the two. In the end the last point solved counts, not the last one tried
+             between the two
     enough   the path ends where no product G H of the original problem exceeds this
     """
 
@@ -58,7 +59,8 @@ def homotopy(
     Each sigma starts from the last good point with fresh multipliers. A sigma that fails does not stop the
     schedule: the next one starts where the failed one did, because nothing leads back from where IPOPT found
     no feasible point or diverged. The last word is the certificate's. Spent time stops it. Held unknowns of a
-    relaxation move on after each solve that claims success; then it is built again, and where the time runs out.
+    relaxation move on after each solve that claims success. The solver is built again after such a move, and when less
+    time is left than it was granted.
 
     near: a solved problem in whose solution this one is guessed. It gives the multipliers of what both have (see
     `carried`), and there is nowhere to be led: only the last sigma is solved.
@@ -73,7 +75,7 @@ def homotopy(
         watch = ledger.watch.stage(stage, where) if ledger.watch else None
         point = Point(relaxed.guess) if near is None else carried(relaxed, near)
     granted = np.inf  # nothing is built yet
-    path = path or Path(case.relaxation.schedule)
+    far, path = path is not None, path or Path(case.relaxation.schedule)
     schedule = path.schedule if mpcc.pairs else (0.0,)
     pending = deque(schedule if near is None else schedule[-1:])
     retries, best, outcome, sigma = path.retries, None, None, 0.0
@@ -99,13 +101,13 @@ def homotopy(
         elif best is not None and retries > 0:
             retries -= 1
             pending.extendleft((sigma, sqrt(sigma * best.sigma)))
-        if outcome.claim == "time_limit" or ledger.seconds_left <= 0.1:
+        if outcome.claim == "time_limit" or ledger.over:
             break
     if outcome is None:
         raise ValueError("relaxation.schedule is empty")
-    if pending and outcome.claim == "solved" and ledger.seconds_left <= 0.1:
+    if pending and outcome.claim == "solved" and ledger.over:
         outcome = replace(outcome, claim="time_limit", detail=f"no time was left for sigma = {pending[0]:g}")
-    if best is not None and path.retries:  # the claim is that of the whole path
+    if best is not None and far:  # the claim is that of the whole path
         return replace(best, outcome=replace(best.outcome, claim=outcome.claim, detail=outcome.detail))
     return Solved(outcome, *_original(mpcc, relaxed, outcome.point.x), sigma, relaxed)
 

@@ -35,7 +35,7 @@ def measured(
     margins: Margins = {"rate_margin": {}, "contact_margin": {}}
     first = last = solve(_with(case, margins), None)
     for _ in range(ROUNDS):
-        if not last.claimed or ledger.seconds_left <= 0.1:
+        if not last.claimed or ledger.over:
             return first
         certificate = judge(last, case, ledger)
         if certificate.certified:

@@ -2,29 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
+from omegaconf import DictConfig
 
 SMOOTH, RELAXING = "phases", "relax"
 """The default strategy, which has no complementarity to relax, and the one for those who ask for a relaxation."""
+MARGINS = ("scenario.rate_margin", "scenario.contact_margin")
+"""Margins by hand; a strategy with a field `margin` above 0 measures its own instead (`benchbench.margins`)."""
 
 
-def implied(overrides: Sequence[str], chosen: Mapping[str, Any]) -> list[str]:
-    """Return what is meant beside the overrides, given the choices they lead to.
+def implied(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
+    """Return what is meant beside the overrides, given the configuration they lead to, that of Hydra included.
 
-    Who asks for a relaxation, or sets a field of one, and for no strategy does not mean one that ignores it.
+    Who asks for a relaxation, or sets a field of one, and for no strategy does not mean one that ignores it. Who sets
+    margins does not mean a strategy that measures its own.
     """
-    return [f"strategy={RELAXING}"] if relaxing(overrides) and chosen.get("strategy") == SMOOTH else []
+    if _relaxing(overrides) and cfg.hydra.runtime.choices.get("strategy") == SMOOTH:
+        return [f"strategy={RELAXING}"]
+    if not _by_hand(overrides) or not isinstance(cfg.get("strategy"), DictConfig):
+        return []
+    asked = _keys(overrides)
+    return [f"{key}=0" for key in _measured(cfg.strategy, "strategy") if key not in asked]
 
 
-def relaxing(overrides: Sequence[str]) -> bool:
+def implying(overrides: Sequence[str]) -> bool:
+    """Whether these overrides may imply others."""
+    return _relaxing(overrides) or _by_hand(overrides)
+
+
+def _relaxing(overrides: Sequence[str]) -> bool:
     """Whether a relaxation is asked for, but no strategy."""
-    parsed = OverridesParser.create().parse_overrides(list(overrides))
-    asked = {o.key_or_group.partition(".")[0] for o in parsed}
+    asked = {key.partition(".")[0] for key in _keys(overrides)}
     return "relaxation" in asked and "strategy" not in asked
+
+
+def _by_hand(overrides: Sequence[str]) -> bool:
+    return any(key.startswith(MARGINS) for key in _keys(overrides))
+
+
+def _keys(overrides: Sequence[str]) -> set[str]:
+    return {o.key_or_group for o in OverridesParser.create().parse_overrides(list(overrides))}
+
+
+def _measured(node: DictConfig, path: str) -> Iterator[str]:
+    """Paths of the fields that ask a strategy, or one inside it, to measure margins."""
+    for key, value in node.items():
+        if isinstance(value, DictConfig):
+            yield from _measured(value, f"{path}.{key!s}")
+        elif key == "margin" and isinstance(value, (int, float)) and value > 0:
+            yield f"{path}.{key!s}"
 
 
 def carried(overrides: Sequence[str]) -> list[str]:

@@ -154,7 +154,7 @@ def _first_order(case: Case | ReadyCase, result: Result | Outside | Answer) -> d
     asked = case.limits.stationarity
     if isinstance(result, Outside) or asked == "off" or (asked == "auto" and isinstance(case, Case)):
         return {}
-    return dict(stationarity(result.mpcc, result.solved.x).record())
+    return dict(stationarity(result.mpcc, result.solved.x, case.limits.stationarity_seconds).record())
 
 
 def _flight(case: Case, result: Result | Outside | Answer) -> dict[str, Any]:

@@ -14,8 +14,6 @@ import numpy as np
 
 from benchbench.case import Case, Ledger
 from benchbench.certificate.certificate import Certificate
-from benchbench.certificate.certify import certify
-from benchbench.certificate.residuals import residuals
 from benchbench.contact import retargeted
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation import SHORTEST, Problem, phases
@@ -27,7 +25,7 @@ from benchbench.plan import Array, Plan
 from benchbench.race.scenario import Race
 from benchbench.shift import Shift
 from benchbench.solver import Outcome, Setup
-from benchbench.strategy import Result, pose
+from benchbench.strategy import Result, judge, pose
 
 
 @dataclass(frozen=True)
@@ -49,8 +47,7 @@ class Replan:
 
     def certificate(self) -> Certificate:
         """Judge the plan by the case it is for."""
-        found = residuals(self.result.problem.mpcc, self.result.solved.x)
-        return certify(self.plan, self.case.scenario, self.case.model, self.case.limits, found)
+        return judge(self.result, self.case, Ledger(self.case.time_limit))
 
 
 @final
@@ -79,9 +76,11 @@ class Replanner:
         target   its motion, with time counted from now
         q, v     configuration (n_q,) and velocity (n_v,) of the vehicle now, in the model's order and units
         elapsed  s since the last plan began; that much of it is left out of the start
-        Raises BadInput for another kind of target, and when the contact has begun.
+        Raises BadInput for another kind of target, for a state or time that is none, and when the contact has begun.
         """
         began = time.perf_counter()
+        if not (np.isfinite(elapsed) and elapsed >= 0):
+            raise BadInput("elapsed", f"{elapsed!r} was given", "a number of seconds of at least 0")
         case = moved(self.last.case, target, q, v)
         old = self.last.result
         problem = renumbered(old.problem, case, target)
@@ -106,6 +105,10 @@ class Replanner:
 
 def moved(case: Case, target: Motion, q: Array, v: Array) -> Case:
     """The same case from another state, with another motion of the same kind; raises BadInput otherwise."""
+    for field, values, box in (("q", q, case.model.configuration), ("v", v, case.model.velocity)):
+        if np.shape(values) != (len(box.names),) or not np.all(np.isfinite(values)):
+            problem, names = f"{np.array(values).tolist()} was given", ", ".join(box.names)
+            raise BadInput(field, problem, f"{len(box.names)} numbers: {names}")
     known = case.scenario.target
     if known is None or type(target) is not type(known) or target.parameters.shape != known.parameters.shape:
         raise BadInput("target", f"'{type(target).__name__}' is another kind of motion", type(known).__name__)

@@ -137,7 +137,7 @@ def retried(
         )
         if found[-1].claimed:
             return found[-1]
-        if ledger.seconds_left <= 0.1:
+        if ledger.over:
             break
     return found[0]
 

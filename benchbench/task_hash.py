@@ -28,7 +28,7 @@ def task_hash(cfg: DictConfig) -> str:
     """Return the hash of what is flown, under which limits it is certified, and on which transcription and grid.
 
     Read from scenario, vehicle, dynamics and certificate of a composed configuration. What has no part in it: names,
-    guesses and margins of the planner, whether stationarity is asked for, and how the problem is solved. A field at its
+    guesses and margins of the planner, whether and how long stationarity is looked for, and how the problem is solved. A field at its
     class's default counts as left out, so that a new field with a default changes nothing.
     """
     tree: Any = OmegaConf.to_container(cfg, resolve=True)
@@ -38,7 +38,7 @@ def task_hash(cfg: DictConfig) -> str:
         "scenario": _without(_content(scenario, _defaults(kind)), (*PLANNING, *LABELS)),
         "vehicle": _without(_content(tree["vehicle"]), LABELS),
         "dynamics": _content(tree["dynamics"]),
-        "certificate": _without(_content(tree["certificate"]), ("stationarity",)),
+        "certificate": _without(_content(tree["certificate"]), ("stationarity", "stationarity_seconds")),
     }
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 

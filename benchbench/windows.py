@@ -22,6 +22,8 @@ from benchbench.race.scenario import Race
 from benchbench.search import Account
 from benchbench.strategy import Result, pose
 
+BEST_ONLY = "; margins for the best one only"
+
 
 @dataclass
 class Windows:
@@ -40,11 +42,8 @@ class Windows:
 
     def __post_init__(self) -> None:
         """Raise IncompatibleCase for a scenario with another number of stops than one."""
-        scenario = self.case.scenario
-        if isinstance(scenario, Race) or len(scenario.itinerary.stops) != 1:
-            problem = f"'{self.case.names['strategy']}' searches for one contact"
-            raise IncompatibleCase("strategy", problem, "phases, sequences, orders")
-        self.count = scenario.itinerary.stops[0].kappa_init
+        check_one_contact(self.case)
+        self.count = self.case.scenario.itinerary.stops[0].kappa_init
 
     @cached_property
     def bounds(self) -> Array:
@@ -95,7 +94,7 @@ class Windows:
     def descend(self, first: int) -> Windows:
         """Solve a window, then neighbours of the best one until both are no better."""
         self._solve(first)
-        while self.ledger.seconds_left > 0.1:
+        while not self.ledger.over:
             new = [k for k in (self.centre - 1, self.centre + 1) if self._open(k)]
             if not new:
                 break
@@ -106,7 +105,7 @@ class Windows:
         """Solve every window that may be better than the best, from the best outwards."""
         by_distance = sorted(range(len(self.bounds)), key=lambda k, c=self.centre: abs(k - c))  # type: ignore[misc]
         for k in by_distance:
-            if self.ledger.seconds_left <= 0.1:
+            if self.ledger.over:
                 break
             if self._open(k):
                 self._solve(k)
@@ -131,12 +130,27 @@ class Windows:
             with self.ledger.building():
                 problem = fixed_window(self.case, start, range(k, k + self.count))
             self.found[k] = pose(problem, self.case, self.ledger, f"window {k}", known)
-            if self.found[k].claimed or self.ledger.seconds_left <= 0.1:
+            if self.found[k].claimed or self.ledger.over:
                 return
 
     def _near(self, k: int) -> Result | None:
         good = [other for other, result in self.found.items() if result.claimed]
         return self.found[min(good, key=lambda other: abs(other - k))] if good else self.known
+
+
+def solved_again(case: Case, ledger: Ledger, near: Result) -> Result:
+    """Solve the window of a searched result once more, with the margins that the case has now; its account says so."""
+    windows = Windows(case, ledger, near.plan, near)
+    search = f"{near.account['search'].removesuffix(BEST_ONLY)}{BEST_ONLY}"
+    return windows.solve(windows.nearest).telling(**{**near.account, "search": search})
+
+
+def check_one_contact(case: Case) -> None:
+    """Raise IncompatibleCase for a scenario with another number of stops than one."""
+    scenario = case.scenario
+    if isinstance(scenario, Race) or len(scenario.itinerary.stops) != 1:
+        problem = f"'{case.names['strategy']}' searches for one contact"
+        raise IncompatibleCase("strategy", problem, "phases, sequences, orders")
 
 
 def coarser(case: Case, levels: int) -> Iterable[Case]:

@@ -2,6 +2,8 @@
 
     OMP_NUM_THREADS=1 python benchmarks/best_known.py
     OMP_NUM_THREADS=1 python benchmarks/best_known.py --grids verlet:100 collocation:25 --with workers=1 strategy=phases
+    OMP_NUM_THREADS=1 python benchmarks/best_known.py --grids rk4:100 --kappa-init 2 --with strategy=enumeration
+    OMP_NUM_THREADS=1 python benchmarks/best_known.py --grids lie_verlet:100 --with vehicle=table1_quaternion
     benchbench best results/best_known_runs
 
 Ordinary isolated sweeps, one per grid, resumed where they were interrupted (docs/sweeps.md): a clean checkout, since a run
@@ -27,10 +29,10 @@ GRIDS = (
 PROGRAM = (sys.executable, "-m", "benchbench")
 
 
-def fill(root: Path, grid: str, overrides: Sequence[str]) -> None:
+def fill(root: Path, grid: str, kappa_init: Sequence[int], overrides: Sequence[str]) -> None:
     """Run one grid and keep what is best."""
     dynamics, intervals = grid.split(":")
-    product = [f"+scenario={','.join(SCENARIOS)}", f"scenario.kappa_init={','.join(map(str, KAPPA_INIT))}"]
+    product = [f"+scenario={','.join(SCENARIOS)}", f"scenario.kappa_init={','.join(map(str, kappa_init))}"]
     fixed = [f"dynamics={dynamics}", f"scenario.intervals={intervals}", f"output={root}"]
     print(f"\n{grid}", flush=True)
     subprocess.run([*PROGRAM, "-m", *product, *fixed, *overrides], check=False)
@@ -44,13 +46,14 @@ def main() -> None:
     )
     parser.add_argument("--output", type=Path, default=Path("results/best_known_runs"))
     parser.add_argument("--grids", nargs="+", default=GRIDS, metavar="DYNAMICS:N")
+    parser.add_argument("--kappa-init", nargs="+", type=int, default=KAPPA_INIT, metavar="NODES")
     parser.add_argument(
         "--with", nargs="+", default=["strategy=phases"], dest="overrides", metavar="OVERRIDE"
     )
     asked = parser.parse_args()
     asked.output.mkdir(parents=True, exist_ok=True)
     for grid in asked.grids:
-        fill(asked.output, grid, asked.overrides)
+        fill(asked.output, grid, asked.kappa_init, asked.overrides)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
-"""How build and solve grow with N, and against the same problem without blocks: `python benchmarks/growth.py`.
+"""How build and solve grow with N, and against the same problem without blocks: `python benchmarks/growth.py [SCENARIO]`.
 
-The problem is `strategy=phases` of a scenario. `blocks` are ours; `one SX graph` is the same Mpcc expanded instance by
+The problem of the first table is `strategy=phases` of a scenario. `blocks` are ours; `one SX graph` is the same Mpcc expanded instance by
 instance, `plain MX` the same blocks without their own derivatives: both leave all derivatives to CasADi. Same IPOPT
-options, same start. CPU seconds of this process, one run each, in one run of this program; read the ratios.
+options, same start. CPU seconds of this process, one run each, in one run of this program; read the ratios. The second
+table is about whole strategies, judged.
 """
 
 from __future__ import annotations
@@ -21,11 +22,12 @@ import numpy as np
 
 from benchbench import config
 from benchbench.assemble import assemble
-from benchbench.case import Case
+from benchbench.case import Case, Ledger
 from benchbench.formulation import phases
 from benchbench.guess import straight_line
 from benchbench.mpcc import Block, Mpcc, gather
 from benchbench.solver import Point, Setup
+from benchbench.strategy import judge, planned
 
 SIZES = (25, 50, 100, 200, 400)
 OPTIONS = {"print_time": False, "calc_lam_p": False, "error_on_fail": False}
@@ -102,6 +104,7 @@ METHODS: dict[str, Callable[[Case], Cost]] = {
     "one SX graph": one_graph,
     "plain MX": plain_map,
 }
+STRATEGIES, TIME_LIMIT = ("phases", "enumeration", "relax"), 120.0
 LARGEST = {"plain MX": 100}
 """Where a method becomes too slow to wait for."""
 
@@ -128,10 +131,38 @@ def main(scenario: str = "circle") -> None:
                 f"{cost.build + cost.solve:.2f} | {ratio:.1f} | {cost.objective:.6f} |",
                 flush=True,
             )
-    print("\nExponent of growth with N (least squares in log-log; 1 is linear): build, per iteration\n")
+    print(
+        "\nExponents of growth with N (1 is linear): build; per iteration; per iteration over the last doubling\n"
+    )
     for name, costs in found.items():
-        build, each = (_exponent({n: getattr(c, k) for n, c in costs.items()}) for k in ("build", "each"))
-        print(f"- {name}: {build:.2f}, {each:.2f}")
+        build, each = ({n: getattr(c, k) for n, c in costs.items()} for k in ("build", "each"))
+        last = dict(list(each.items())[-2:])
+        print(f"- {name}: {_exponent(build):.2f}; {_exponent(each):.2f}; {_exponent(last):.2f}")
+    strategies(scenario)
+
+
+def strategies(scenario: str) -> None:
+    """Print a table of whole strategies, compiled, by N, and its exponents."""
+    print("\n| strategy | N | build and solve s | iterations | per iteration ms | travel time s | verdict |")
+    print("|---|---|---|---|---|---|---|")
+    found: dict[str, dict[int, tuple[float, float]]] = {name: {} for name in STRATEGIES}
+    for name in STRATEGIES:
+        for n in SIZES:
+            case = config.compose(f"+scenario={scenario}", f"scenario.intervals={n}", f"strategy={name}")
+            ledger = Ledger(TIME_LIMIT)
+            result = planned(case.strategy, case, ledger)
+            spent = ledger.build_cpu + ledger.solve_cpu
+            found[name][n] = spent, ledger.solve_cpu / max(ledger.iterations, 1)
+            verdict = "certified" if judge(result, case, ledger).certified else "not certified"
+            print(
+                f"| {name} | {n} | {spent:.2f} | {ledger.iterations} | {found[name][n][1] * 1e3:.1f} | "
+                f"{result.plan.travel_time:.4f} | {verdict}, {result.solved.outcome.claim} |",
+                flush=True,
+            )
+    print("\nExponents of growth with N: build and solve; per iteration\n")
+    for name, costs in found.items():
+        whole, each = ({n: cost[i] for n, cost in costs.items()} for i in (0, 1))
+        print(f"- {name}: {_exponent(whole):.2f}; {_exponent(each):.2f}")
 
 
 def _exponent(values: dict[int, float]) -> float:

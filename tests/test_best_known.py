@@ -31,7 +31,8 @@ SAME = [
     (HANDOVER, "scenario.travel_time_guess=4"), (HANDOVER, "scenario.contact_guess=0.5"),
     (HANDOVER, "scenario.name=mine"), (HANDOVER, "vehicle.name=mine"), (HANDOVER, "strategy=relax"),
     (HANDOVER, "relaxation=kadrani"), (HANDOVER, "guess=line"), (HANDOVER, "seed=3"), (HANDOVER, "time_limit=9"),
-    (HANDOVER, "certificate.stationarity=on"), (HANDOVER, "scenario.contact_seconds=null"),
+    (HANDOVER, "certificate.stationarity=on"), (HANDOVER, "certificate.stationarity_seconds=3"),
+    (HANDOVER, "scenario.contact_seconds=null"),
     (HANDOVER, "scenario.input_cost=0.003"), (HANDOVER, "scenario.travel_time=[0.1,30]"),
     (HANDOVER, "scenario.target._target_=benchbench_plugins.motions.circle.Circle"),
     (RACE, "scenario.gate_margin=0.1"), (RACE, "scenario.speed_guess=7"),
@@ -174,14 +175,36 @@ def test_folders_without_a_run_are_refused(tmp_path: Path) -> None:
 
 
 def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
-    """One for each scenario and dynamics. A field with a new default may orphan them: run them again, or fix `task_hash`."""
-    entries = {(e["scenario"], e["dynamics"]): e for e in BestKnown.load(packaged()).entries.values()}
+    """One for each scenario, and for each grid and kappa_init.
+
+    A field with a new default may orphan them: run them again, or fix `task_hash`.
+    """
+    known = list(BestKnown.load(packaged()).entries.values())
+    entries = {(e["scenario"], e["dynamics"]): e for e in known}
     assert {(name, "verlet") for name in ("static", "linear", "circle")} <= entries.keys()
-    for entry in entries.values():
+    grids = {(e["dynamics"], e["intervals"], e["kappa_init"]): e for e in known}
+    for entry in (*entries.values(), *grids.values()):
         case = config.compose(*shlex.split(entry["command"]))
         assert case.task_hash == entry["task_hash"]
         assert (case.scenario.name, case.scenario.intervals) == (entry["scenario"], entry["intervals"])
         assert case.limits == config.compose("+scenario=static").limits
+
+
+REACHED = {
+    ("static", "verlet", 100): 2.688, ("linear", "verlet", 100): 2.663, ("circle", "verlet", 100): 2.854,
+    ("static", "verlet", 200): 2.679, ("linear", "verlet", 200): 2.654, ("circle", "verlet", 200): 2.838,
+    ("static", "collocation", 50): 2.725, ("static", "collocation", 25): 2.883,
+}  # fmt: skip
+"""Certified travel times in s that scans over all contact windows found, kappa_init = 2."""
+
+
+def test_values_that_come_with_benchbench_are_at_least_those_of_scans() -> None:
+    known = {
+        (e["scenario"], e["dynamics"], e["intervals"]): e["travel_time_s"]
+        for e in BestKnown.load(packaged()).entries.values()
+        if e["kappa_init"] == 2 and e["vehicle"] == "table1"
+    }
+    assert all(known[task] <= travel_time for task, travel_time in REACHED.items())
 
 
 def test_a_run_tells_its_gap_and_what_beats_it(tmp_path: Path) -> None:

@@ -159,6 +159,28 @@ def test_who_asks_for_a_relaxation_gets_a_strategy_that_relaxes(overrides: str, 
     assert config.compose_any(*overrides.split()).names["strategy"] == strategy
 
 
+@pytest.mark.parametrize(
+    ("overrides", "left"),
+    [
+        ("strategy=phases", 0.5),
+        ("scenario.rate_margin.arm=0.07", 0.0),
+        ("+scenario.contact_margin.velocity=0.1", 0.0),
+        ("strategy=enumeration scenario.contact_margin={position:0.02}", 0.0),
+        ("scenario.rate_margin.arm=0.07 strategy.margin=0.3", 0.3),
+    ],
+)
+def test_who_sets_margins_gets_them_instead_of_measured_ones(overrides: str, left: float) -> None:
+    case = config.compose("+scenario=static", *overrides.split())
+    assert case.strategy.margin == left  # type: ignore[attr-defined]
+
+
+def test_margins_by_hand_hold_in_nested_strategies_and_for_relaxations() -> None:
+    margin = "scenario.rate_margin.arm=0.07"
+    case = config.compose("+scenario=static", "strategy=multistart", "strategy@strategy.of=polish", margin)
+    assert case.strategy.of.margin == 0  # type: ignore[attr-defined]
+    assert config.compose("+scenario=static", "relaxation=kadrani", margin).names["strategy"] == "relax"
+
+
 def test_contact_that_is_switched_off_is_no_mistake() -> None:
     case = config.compose("+scenario=static", "scenario.contacts.position=null")
     validate(case)

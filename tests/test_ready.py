@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import json
 import os
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,8 +22,12 @@ from benchbench.mpcc import Mpcc, evaluate
 from benchbench.pipeline import Run, run, write
 from benchbench.storage.table import read
 from benchbench.summary import show
-from benchbench_plugins.collections.nosbench import FUNCTIONS, MpccFile
+from benchbench_plugins.collections.nosbench import MpccFile
 from benchbench_plugins.collections.pympcc_set import PympccSet
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
+
+from nosbench import solved as judged
 
 NOSBENCH = Path(os.environ.get("NOSBENCH", Path(__file__).parents[2] / "shared" / "nosbench"))
 QUICK = ("2BCLS_001_001_002_3_GL_CLS_7_ELC_0", "986OM_001_001_002_2_RIIA_STEP_7_FIL_0",
@@ -217,16 +222,6 @@ def nosbench() -> Path:
     return NOSBENCH
 
 
-def judged(path: Path, x: np.ndarray, best: float) -> bool:
-    """The benchmark's own judge, from the file alone."""
-    told = json.loads(gzip.decompress(path.read_bytes()))
-    p = np.ravel(told["p0"])
-    f, g, G, H = (np.asarray(ca.Function.deserialize(told[k])(x, p)).ravel() for k in FUNCTIONS.values())
-    low, high, below, above = (np.asarray(np.ravel(told[k]), float) for k in ("lbw", "ubw", "lbg", "ubg"))
-    broken = max(np.max(v, initial=0.0) for v in (low - x, x - high, below - g, g - above, -G, -H))
-    return bool(broken < 1e-6 and np.max(G * H) < 1e-7 and f[0] <= max(2 * best, best + 1e-6))
-
-
 @pytest.mark.parametrize("name", QUICK)
 def test_nosbench_is_solved_as_its_judge_says(name: str, nosbench: Path) -> None:
     best = {
@@ -237,6 +232,28 @@ def test_nosbench_is_solved_as_its_judge_says(name: str, nosbench: Path) -> None
     done = solved(path, "time_limit=60")
     assert done.certificate.certified
     assert judged(path, done.result.solved.x, best[name])  # type: ignore[union-attr]
+
+
+def test_the_judge_of_nosbench_reads_the_file_alone(told: dict[str, Any], tmp_path: Path) -> None:
+    for path in (stored(told, tmp_path / "small.json"), stored(told, tmp_path / "small.json.gz")):
+        best = (0.0 + 1.0 + 0.5) / 1.0
+        assert judged(path, np.array([3.0, 0.0, 0.5]), best)
+        assert judged(path, np.array([3.0, 0.0, 0.5]), None)
+        assert not judged(path, np.array([3.0, 1e-3, 0.5]), best), "both sides above zero"
+        assert not judged(path, np.array([3.0, 0.0, 0.4]), best), "below its bound"
+        assert not judged(path, np.array([3.0, 0.0, 5.0]), best), "more than twice the best known cost"
+        assert not judged(path, np.array([3.0, 0.0, np.nan]), None)
+
+
+@pytest.mark.parametrize("retries", [0, 2])
+def test_continuation_returns_its_last_good_point(told: dict[str, Any], tmp_path: Path, retries: int) -> None:
+    """The product of the pair must be 0.02 or more, so that sigma = 1 and 0.1 can be solved and 0.01 cannot."""
+    w, p = ca.SX.sym("w", 3), ca.SX.sym("p")
+    told |= {"g_fun": ca.Function("g_fun", [w, p], [w[0] * w[1]]).serialize(), "lbg": 0.02, "ubg": 9}
+    done = solved(stored(told, tmp_path / "small.json"), "relaxation=scholtes", f"strategy.retries={retries}")
+    a, b, _ = done.result.solved.x  # type: ignore[union-attr]
+    assert 0.02 - 1e-7 <= a * b <= 0.1 + 1e-7
+    assert not done.record["claimed_success"] and not done.record["certified"]
 
 
 def test_derivatives_of_a_whole_problem_are_casadis_own(nosbench: Path) -> None:

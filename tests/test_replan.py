@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -16,9 +19,10 @@ from benchbench.motion import Motion
 from benchbench.plan import Array, Plan
 from benchbench.replan import Replanner, moved, renumbered
 from benchbench.shift import Shift
-from benchbench.strategy import pose
+from benchbench.strategy import Result, pose
 from benchbench_plugins.motions import Circle, Fixed, Linear
 
+EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "replanning.py"
 SMALL = ("scenario.intervals=24", "scenario.contact_seconds=0.1", "compile=never")
 TARGETS: dict[str, Motion] = {
     "static": Fixed((1.1, 0.1, 0.4)),
@@ -33,8 +37,8 @@ def state(plan: Plan, at: float) -> tuple[Array, Array]:
     return q, v
 
 
-def fresh(case: Case) -> Plan:
-    return pose(phases(case, straight_line(case)), case, Ledger(60.0), "fresh").plan
+def fresh(case: Case) -> Result:
+    return pose(phases(case, straight_line(case)), case, Ledger(60.0), "fresh")
 
 
 @pytest.mark.parametrize("name", TARGETS)
@@ -42,8 +46,10 @@ def test_replanned_travel_time_is_that_of_a_fresh_solve(name: str) -> None:
     replanner = Replanner(config.compose(f"+scenario={name}", *SMALL))
     q, v = state(replanner.first.plan, 0.1)
     answer = replanner.plan(TARGETS[name], q, v, elapsed=0.1)
-    assert answer.result.solved.outcome.claim == "solved"
-    assert abs(answer.plan.travel_time - fresh(answer.case).travel_time) < 1e-4
+    again = fresh(answer.case)
+    assert not answer.cold and answer.result.solved.outcome.claim == "solved"
+    assert answer.result.solved.outcome.iterations < again.solved.outcome.iterations
+    assert abs(answer.plan.travel_time - again.plan.travel_time) < 1e-4
     np.testing.assert_allclose(answer.plan.velocity[0], v, atol=1e-9)
     by_name = {check.name: check for check in answer.certificate().checks}
     asked = ("residual", "planned_start", "planned_start_rest", "planned_end", "contact_node_position")
@@ -93,6 +99,18 @@ def test_shift_reads_the_old_plan_later() -> None:
     np.testing.assert_allclose(still.rows(old[:, None]), old[:, None], atol=1e-14)
 
 
+def test_the_example_follows_its_target(capsys: pytest.CaptureFixture[str]) -> None:
+    runpy.run_path(str(EXAMPLE))["main"](intervals=24)
+    lines = [line for line in capsys.readouterr().out.splitlines() if "end in" in line]
+    turns = np.array(["the target turns" in line for line in lines])
+    ends = np.array([float(line.split("end in ")[1].split(" s")[0]) for line in lines])
+    assert turns.sum() == 2
+    sooner = -np.diff(ends)[~turns[1:]]
+    assert np.all(np.abs(sooner - 0.05) < 0.01), (
+        "50 ms later the end is nearer by 50 ms, but where the target turns"
+    )
+
+
 def test_bad_input_is_explained() -> None:
     replanner = Replanner(config.compose("+scenario=static", *SMALL))
     q, v = state(replanner.first.plan, 0.0)
@@ -100,6 +118,12 @@ def test_bad_input_is_explained() -> None:
         replanner.plan(TARGETS["linear"], q, v)
     with pytest.raises(BadInput, match="contact has begun"):
         replanner.plan(TARGETS["static"], q, v, elapsed=5.0)
+    with pytest.raises(BadInput, match="elapsed: nan was given"):
+        replanner.plan(TARGETS["static"], q, v, elapsed=float("nan"))
+    with pytest.raises(BadInput, match=r"q: .* 7 numbers: x, y, z"):
+        replanner.plan(TARGETS["static"], q[:6], v)
+    with pytest.raises(BadInput, match=r"v: .* 7 numbers: x, y, z"):
+        replanner.plan(TARGETS["static"], q, np.full(7, np.nan))
     with pytest.raises(IncompatibleCase, match="builds each problem anew"):
         Replanner(config.compose("+scenario=static", "solver=sqpmethod", *SMALL))
     with pytest.raises(IncompatibleCase, match="no single target"):

@@ -18,7 +18,7 @@ from benchbench.homotopy import carried
 from benchbench.plan import Array, Plan
 from benchbench.storage.recording import write_mcap
 from benchbench.strategy import Result, judge, planned, pose
-from benchbench.windows import Windows
+from benchbench.windows import Windows, coarser
 
 N = 12
 SMALL = (f"scenario.intervals={N}", "iteration_limit=150")
@@ -109,10 +109,35 @@ def of_rows(result: Result, lam_g: Array | None) -> Array:
     )
 
 
-def test_enumeration_refuses_several_contacts() -> None:
-    case = config.compose("+scenario=delivery", "strategy=enumeration", "scenario.intervals=30")
+@pytest.mark.parametrize("levels", [2, 3])
+def test_coarse_to_fine_finds_the_window_of_an_exhaustive_search(levels: int) -> None:
+    """On 10, 20 and 40 intervals; an error in what one grid hands to the next leads to another window."""
+    one, many = (
+        solve(case_of("strategy=enumeration", "strategy.margin=0", "scenario.intervals=40", *more))
+        for more in (
+            ("strategy.levels=1", "strategy.exhaustive=true"),
+            (f"strategy.levels={levels}",),
+        )
+    )
+    assert len(list(coarser(case_of("scenario.intervals=40"), levels))) == levels
+    assert many.plan.contacts == one.plan.contacts
+    assert many.objective == pytest.approx(one.objective, rel=1e-6)
+
+
+@pytest.mark.parametrize("strategy", ["enumeration", "polish"])
+def test_searching_for_one_contact_refuses_several_before_it_solves(strategy: str) -> None:
+    case, ledger = config.compose("+scenario=delivery", f"strategy={strategy}"), Ledger(60.0)
     with pytest.raises(IncompatibleCase, match="one contact"):
-        solve(case)
+        planned(case.strategy, case, ledger)
+    assert strategy == "enumeration" or not ledger.solves
+
+
+@pytest.mark.parametrize("seed", [4, 7])
+def test_phases_finds_the_best_known_plan_from_a_disturbed_start(seed: int) -> None:
+    """Two of the 90 runs of docs/strategies.md, on the default grid."""
+    record = pipeline.run(config.compose("+scenario=linear", f"seed={seed}")).record
+    assert record["certified"]
+    assert record["gap_percent"] <= 0.5
 
 
 def test_polish_is_no_worse_than_what_it_polishes() -> None:

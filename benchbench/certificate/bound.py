@@ -1,4 +1,8 @@
-"""Lower bound on the travel time from speed limits and reach alone, without any dynamics."""
+"""Lower bound on the travel time from speed limits and reach alone, without any dynamics.
+
+It holds for plans that keep these limits exactly. The certificate forgives a little (`rate_ratio`, `end_position`); the
+bounds of `window_bound`, which prune windows, grant that too.
+"""
 
 from __future__ import annotations
 
@@ -20,12 +24,12 @@ STEP = 1e-3
 
 
 def lower_bound(scenario: Scenario, model: Model, plant: Plant) -> float:
-    """Return a time in s that no plan can beat; `inf` when no allowed travel time reaches every stop asked for."""
+    """Return a time in s that no plan within its limits can beat; `inf` when no allowed travel time reaches every stop asked for."""
     return min(sequence_bound(scenario, made, model, plant) for made in scenario.itinerary.sequences())
 
 
 def sequence_bound(scenario: Scenario, made: Sequence[Stop], model: Model, plant: Plant) -> float:
-    """Return a time in s that no plan that makes these stops in this order can beat.
+    """Return a time in s that no plan that keeps its limits and makes these stops in this order can beat.
 
     Axis i needs |p_end - p_start|_i / v_max,i. Where contact asks for a distance `nu_max` ("position" among the contacts),
     the vehicle must also be at some time t within the arm's reach plus nu_max of the target on every axis, at

@@ -17,6 +17,8 @@ class ProblemLimits(BaseModel):
     product          largest G H of a pair, scaled as it is; null: not asked
     stationarity     whether the class of stationarity is found out and recorded: on, off, or auto, which is on
                      where the MPCC came ready-made and off for flights (10 s at N = 100). It certifies nothing
+    stationarity_seconds
+                     wall seconds after which what is not found out stays "undecided"
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
@@ -25,6 +27,7 @@ class ProblemLimits(BaseModel):
     complementarity: Positive | None = None
     product: Positive | None = None
     stationarity: Literal["auto", "on", "off"] = "auto"
+    stationarity_seconds: Positive = 10.0
 
 
 class Limits(ProblemLimits):

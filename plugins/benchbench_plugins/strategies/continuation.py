@@ -9,7 +9,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.case import Case, Ledger, Task
-from benchbench.errors import IncompatibleCase
+from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.homotopy import Path, Solved, homotopy
 from benchbench.mpcc import Mpcc
 from benchbench.relaxation import Relaxation
@@ -31,6 +31,13 @@ class Continuation(Strategy):
     factor: float = Field(default=0.1, gt=0, lt=1)
     retries: int = Field(default=5, ge=0)
 
+    def __post_init__(self) -> None:
+        """Refuse a path that leads upwards; raises BadInput."""
+        if self.last > self.first:
+            raise BadInput(
+                "strategy.last", f"{self.last:g} is above strategy.first", f"at most {self.first:g}"
+            )
+
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Flights have their own."""
         problem = "'continuation' is for problems that come ready-made, but this is a flight"
@@ -50,5 +57,5 @@ class Continuation(Strategy):
         if relaxation.power == 0:
             return relaxation.schedule
         steps = round(np.log(self.last / self.first) / np.log(self.factor))
-        products = np.geomspace(self.first, self.last, max(steps, 0) + 1)
+        products = np.geomspace(self.first, self.last, steps + 1)
         return tuple(float(s) for s in products ** (1 / relaxation.power))

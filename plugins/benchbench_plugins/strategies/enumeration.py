@@ -12,7 +12,7 @@ from benchbench.case import Case, Ledger
 from benchbench.guess import first_plan
 from benchbench.margins import measured
 from benchbench.strategy import Result, Strategy
-from benchbench.windows import Windows, coarser
+from benchbench.windows import Windows, coarser, solved_again
 
 
 @final
@@ -33,10 +33,7 @@ class Enumeration(Strategy):
         """Search; where the replay asks for margins, solve the best window again."""
 
         def search(case: Case, near: Result | None) -> Result:
-            if near is None:
-                return self._search(case, ledger)
-            windows = Windows(case, ledger, near.plan, near)
-            return windows.solve(windows.nearest).telling(**near.account)
+            return self._search(case, ledger) if near is None else solved_again(case, ledger, near)
 
         return measured(case, ledger, self.margin, search) if self.margin else self._search(case, ledger)
 

@@ -34,7 +34,7 @@ class Multistart(Strategy):
         for i in range(self.starts):
             result = planned(self.of, replace(case, seed=case.seed * self.starts + i), ledger)
             found.append((result, judge(result, case, ledger).certified))
-            if ledger.seconds_left <= 0.1:
+            if ledger.over:
                 break
         best, _ = min(found, key=lambda one: (not one[1], one[0].objective))
         rate = wilson(sum(certified for _, certified in found), len(found))

@@ -47,7 +47,7 @@ class Orders(Strategy):
         best, account = best_first(
             [begun(())],
             lambda order: self._fly(case, ledger, order),
-            lambda: ledger.seconds_left > 0.1,
+            lambda: not ledger.over,
             split,
         )
         return replace(best.result, account={"search": account.told("orders, whole or begun")})
@@ -58,5 +58,4 @@ class Orders(Strategy):
         with ledger.building():
             problem = posing.phases(ordered, start)
         result = pose(problem, ordered, ledger, f"phases: {', '.join(map(str, order))}")
-        outcome = result.solved.outcome
-        return Found(result, outcome.objective if outcome.claim == "solved" else float("inf"))
+        return Found(result, result.objective)

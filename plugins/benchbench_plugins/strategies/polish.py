@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 from benchbench.case import Case, Ledger
 from benchbench.margins import measured
 from benchbench.strategy import Result, Strategy, judge, planned
-from benchbench.windows import Windows
+from benchbench.windows import Windows, check_one_contact, solved_again
 
 
 @final
@@ -25,13 +25,16 @@ class Polish(Strategy):
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
-        """Solve, then walk downhill over windows; where the replay asks for margins, solve the best one again."""
+        """Solve, then walk downhill over windows; where the replay asks for margins, solve the best one again.
+
+        Raises IncompatibleCase for more contacts than one.
+        """
+        check_one_contact(case)
         found = planned(self.after, case, ledger)
 
         def search(case: Case, near: Result | None) -> Result:
             if near is not None:
-                windows = Windows(case, ledger, near.plan, near)
-                return windows.solve(windows.nearest).telling(**near.account)
+                return solved_again(case, ledger, near)
             windows = Windows(case, ledger, found.plan)
             best = windows.descend(windows.nearest).best
             return best.telling(search=windows.account().told("windows"))

@@ -9,7 +9,7 @@ from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
 from benchbench.case import Case, Ledger
-from benchbench.errors import IncompatibleCase
+from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.guess import Given
 from benchbench.race.scenario import Race
 from benchbench.strategy import Result, Strategy, judge, planned
@@ -30,6 +30,12 @@ class Refine(Strategy):
     finest: Annotated[int, Field(ge=8)] = 400
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 0.005
 
+    def __post_init__(self) -> None:
+        """Refuse a finest grid that is coarser than the coarsest; raises BadInput."""
+        if self.finest < self.coarsest:
+            problem = f"{self.finest} is below strategy.coarsest"
+            raise BadInput("strategy.finest", problem, f"at least {self.coarsest}")
+
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Solve, judge, refine. Raises IncompatibleCase for a race, whose grid counts intervals per gate."""
         if isinstance(case.scenario, Race):
@@ -37,7 +43,7 @@ class Refine(Strategy):
         told: list[str] = []
         found: list[tuple[Result, bool]] = []
         intervals = self.coarsest
-        while not found or (intervals <= self.finest and ledger.seconds_left > 0.1):
+        while not found or (intervals <= self.finest and not ledger.over):
             scenario = case.scenario.model_copy(update={"intervals": intervals})
             level = replace(case, scenario=scenario)
             if found:

@@ -66,7 +66,7 @@ class IsolatedLauncher(Launcher):
         jobs = []
         for number, overrides in enumerate(job_overrides, initial_job_idx):
             composed = loader.load_sweep_config(self._config, list(overrides))
-            if more := implied(overrides, composed.hydra.runtime.choices):
+            if more := implied(overrides, composed):
                 composed = loader.load_sweep_config(self._config, [*overrides, *more])
             with open_dict(composed):
                 composed.hydra.job.id = composed.hydra.job.num = number
