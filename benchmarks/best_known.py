@@ -22,19 +22,27 @@ from pathlib import Path
 
 SCENARIOS, KAPPA_INIT = ("static", "linear", "circle"), (2, 3, 5, 13, 23)
 GRIDS = (
-    "verlet:100", "verlet:200", "collocation:25", "collocation:50", "verlet:150", "collocation:100", "rk4:50",
-    "rk4:100", "rk4:150", "collocation:150", "rk4:200", "collocation:200", "verlet:50",
+    ("verlet", 100), ("verlet", 150), ("verlet", 200), ("rk4", 50), ("collocation", 24), ("collocation", 25),
+    ("collocation", 50),
 )  # fmt: skip
-"""Dynamics and N, the most wanted first."""
+"""Dynamics and N of results/best_known.yaml."""
 PROGRAM = (sys.executable, "-m", "benchbench")
 
 
-def fill(root: Path, grid: str, kappa_init: Sequence[int], overrides: Sequence[str]) -> None:
+def grid_of(text: str) -> tuple[str, int]:
+    """Dynamics and N; raises ArgumentTypeError."""
+    dynamics, _, intervals = text.partition(":")
+    if not intervals.isdecimal():
+        raise argparse.ArgumentTypeError(f"'{text}' was given, allowed: DYNAMICS:N, such as verlet:100")
+    return dynamics, int(intervals)
+
+
+def fill(root: Path, grid: tuple[str, int], kappa_init: Sequence[int], overrides: Sequence[str]) -> None:
     """Run one grid and keep what is best."""
-    dynamics, intervals = grid.split(":")
+    dynamics, intervals = grid
     product = [f"+scenario={','.join(SCENARIOS)}", f"scenario.kappa_init={','.join(map(str, kappa_init))}"]
     fixed = [f"dynamics={dynamics}", f"scenario.intervals={intervals}", f"output={root}"]
-    print(f"\n{grid}", flush=True)
+    print(f"\n{dynamics}:{intervals}", flush=True)
     subprocess.run([*PROGRAM, "-m", *product, *fixed, *overrides], check=False)
     subprocess.run([*PROGRAM, "best", str(root), "--file", str(root / "best_known.yaml")], check=False)
 
@@ -45,7 +53,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--output", type=Path, default=Path("results/best_known_runs"))
-    parser.add_argument("--grids", nargs="+", default=GRIDS, metavar="DYNAMICS:N")
+    parser.add_argument("--grids", nargs="+", type=grid_of, default=GRIDS, metavar="DYNAMICS:N")
     parser.add_argument("--kappa-init", nargs="+", type=int, default=KAPPA_INIT, metavar="NODES")
     parser.add_argument(
         "--with", nargs="+", default=["strategy=phases"], dest="overrides", metavar="OVERRIDE"

@@ -12,7 +12,7 @@ import os
 
 os.environ["OMP_NUM_THREADS"] = "1"
 
-import sys
+import argparse
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -109,7 +109,7 @@ LARGEST = {"plain MX": 100}
 """Where a method becomes too slow to wait for."""
 
 
-def main(scenario: str = "circle") -> None:
+def main(scenario: str) -> None:
     """Measure and print a Markdown table and the exponents of growth."""
     found: dict[str, dict[int, Cost]] = {name: {} for name in METHODS}
     print(
@@ -170,4 +170,8 @@ def _exponent(values: dict[int, float]) -> float:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("scenario", nargs="?", default="circle", choices=("static", "linear", "circle"))
+    main(parser.parse_args().scenario)

@@ -12,6 +12,7 @@ import os
 
 os.environ["OMP_NUM_THREADS"] = "1"
 
+import argparse
 import json
 import resource
 import statistics
@@ -85,9 +86,8 @@ REFERENCES: list[float] = []
 """CPU seconds of the reference beside each measurement."""
 
 
-def main() -> None:
+def main(repeats: int) -> None:
     """Measure and print."""
-    repeats = int(sys.argv[1]) if len(sys.argv) > 1 else 5
     print("| what | scenario | CPU s, median (min to max) | references | note |\n|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as scratch:
         for name, node in NODES.items():
@@ -182,4 +182,11 @@ def _row(what: str, scenario: str, runs: list[dict], keys: tuple[str, ...], note
 
 
 if __name__ == "__main__":
-    main()
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("repeats", nargs="?", type=int, default=5, help="of each measurement, at least 1")
+    repeats = parser.parse_args().repeats
+    if repeats < 1:
+        parser.error(f"argument repeats: {repeats} was given, allowed: at least 1")
+    main(repeats)
