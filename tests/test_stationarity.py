@@ -12,6 +12,7 @@ import pytest
 from scipy.optimize import lsq_linear
 from small_mpccs import by_hand, problem, pympcc_problems
 
+from benchbench import config, pipeline
 from benchbench.certificate.descent import b_stationary
 from benchbench.certificate.linearised import Linearised, Tangent
 from benchbench.certificate.multipliers import classify, weak
@@ -216,3 +217,14 @@ def test_pympcc_comes_to_the_same_b_stationarity() -> None:
         )
         agreed.append(spec.name)
     assert len(agreed) == 13
+
+
+def test_a_relaxed_flight_is_stationary_and_says_so() -> None:
+    """A solution of Scholtes' relaxation for small sigma is near an S-stationary point where MPCC-LICQ holds."""
+    case = config.compose(
+        "+scenario=static", "scenario.intervals=20", "strategy=relax", "certificate.stationarity=on"
+    )
+    record = pipeline.run(case).record
+    assert record["claimed_success"]
+    assert record["kkt_residual"] < 1e-5
+    assert (record["stationarity"], record["b_stationary"]) == ("S", "yes")
