@@ -2,7 +2,8 @@
 
 Prints a Markdown table. Each repeat is a fresh process; CPU seconds count children (the compiler) too. Before and after
 each of them a fixed nonlinear program is solved, the reference of `benchbench regress`: the column of references is the
-median of CPU time over that of the reference: it tells a slow machine from slow code. How cost grows with N, and
+median of CPU time over that of the reference. It tells a slow machine from slow code, within a factor of two: a busy
+host slows the reference, one large interpreted graph, more than our solves. How cost grows with N, and
 against other ways to write the problem, is in `benchmarks/growth.py`.
 """
 
