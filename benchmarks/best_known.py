@@ -25,7 +25,7 @@ GRIDS = (
     ("verlet", 100), ("verlet", 150), ("verlet", 200), ("rk4", 50), ("collocation", 24), ("collocation", 25),
     ("collocation", 50),
 )  # fmt: skip
-"""Dynamics and N of results/best_known.yaml."""
+"""Dynamics and N that are run unless others are asked for."""
 PROGRAM = (sys.executable, "-m", "benchbench")
 
 

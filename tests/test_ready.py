@@ -236,7 +236,7 @@ def test_nosbench_is_solved_as_its_judge_says(name: str, nosbench: Path) -> None
 
 def test_the_judge_of_nosbench_reads_the_file_alone(told: dict[str, Any], tmp_path: Path) -> None:
     for path in (stored(told, tmp_path / "small.json"), stored(told, tmp_path / "small.json.gz")):
-        best = (0.0 + 1.0 + 0.5) / 1.0
+        best = 1.5  # (3 - 3)^2 + (0 - 1)^2 + 0.5
         assert judged(path, np.array([3.0, 0.0, 0.5]), best)
         assert judged(path, np.array([3.0, 0.0, 0.5]), None)
         assert not judged(path, np.array([3.0, 1e-3, 0.5]), best), "both sides above zero"

@@ -12,7 +12,7 @@ from benchbench.case import Case, Ledger
 from benchbench.guess import first_plan
 from benchbench.margins import measured
 from benchbench.strategy import Result, Strategy
-from benchbench.windows import Windows, coarser, solved_again
+from benchbench.windows import Windows, check_one_contact, coarser, solved_again
 
 
 @final
@@ -30,7 +30,11 @@ class Enumeration(Strategy):
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
-        """Search; where the replay asks for margins, solve the best window again."""
+        """Search; where the replay asks for margins, solve the best window again.
+
+        Raises IncompatibleCase for more contacts than one.
+        """
+        check_one_contact(case)
 
         def search(case: Case, near: Result | None) -> Result:
             return self._search(case, ledger) if near is None else solved_again(case, ledger, near)
