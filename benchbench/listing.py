@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import packages_distributions
 from typing import Any, get_args
 
@@ -131,7 +132,10 @@ def _text(fields: dict[str, Any]) -> str:
 
 def _origin(fields: dict[str, Any]) -> str:
     package = str(fields.get("_target_", "")).partition(".")[0]
-    return _distribution((packages_distributions().get(package) or [package])[0])
+    return _distribution((_distributions().get(package) or [package])[0])
+
+
+_distributions = cache(packages_distributions)  # reads the metadata of everything that is installed
 
 
 def _distribution(name: str) -> str:

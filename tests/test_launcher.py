@@ -29,8 +29,8 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for 
 HERE = str(Path(__file__).parent)
 QUICK = ("strategy=phases", "scenario.intervals=12")
 BAD = ("~strategy", "+strategy._target_=bad_runs.Bad", "scenario.intervals=12")
-SWEEP = ("-m", "+scenario=static,linear,circle", "scenario.kappa_init=2,3", *QUICK)
-RUNS = 6
+SWEEP = ("-m", "+scenario=static,circle", "scenario.kappa_init=2,3", *QUICK)
+RUNS = 4
 
 
 def path_with_bad_runs() -> str:
@@ -159,7 +159,7 @@ def test_kill_of_the_parent_loses_only_what_was_running(tmp_path: Path) -> None:
     calm.mkdir(), rough.mkdir()
     began = time.monotonic()
     program(calm, *SWEEP)
-    rows = kill_and_resume(rough, 3, time.monotonic() - began, seed=0)
+    rows = kill_and_resume(rough, 2, time.monotonic() - began, seed=0)
     assert rows[0] < RUNS  # the kill met a sweep at work
     pd.testing.assert_frame_equal(answers(rough / "results"), answers(calm / "results"))
     assert len(answers(rough / "results")) == RUNS

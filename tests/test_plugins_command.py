@@ -5,21 +5,28 @@ from __future__ import annotations
 from importlib.metadata import entry_points
 from pathlib import Path
 
+import pytest
 from test_program import program
 
 
-def test_every_installed_plugin_has_a_line(tmp_path: Path) -> None:
-    done = program(tmp_path, "plugins")
+@pytest.fixture(scope="module")
+def printed(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """Lines of the whole list."""
+    done = program(tmp_path_factory.mktemp("plugins"), "plugins")
     assert done.returncode == 0, done.stderr
-    lines = [line.split() for line in done.stdout.splitlines()]
+    return done.stdout.splitlines()
+
+
+def test_every_installed_plugin_has_a_line(printed: list[str]) -> None:
+    lines = [line.split() for line in printed]
     named = {words[0] for words in lines if words}
     for family in ("dynamics", "relaxations", "solvers"):
         found = {entry.name for entry in entry_points(group=f"benchbench.{family}")}
         assert found and found <= named
 
 
-def test_a_missing_library_is_told_with_its_remedy(tmp_path: Path) -> None:
-    line = next(x for x in program(tmp_path, "plugins").stdout.splitlines() if "worhp" in x)
+def test_a_missing_library_is_told_with_its_remedy(printed: list[str]) -> None:
+    line = next(x for x in printed if "worhp" in x)
     assert "NOT AVAILABLE HERE" in line and "remedy: " in line
 
 

@@ -55,7 +55,7 @@ class Panel:
 
 def draw_panel(axes: Axes, panel: Panel, windows: Sequence[tuple[float, float]], travel_time: float) -> None:
     """Draw a panel; `windows` are the times (s) in contact."""
-    axes.set_title(f"{panel.title}  [{panel.unit}]")
+    axes.set_title(f"{panel.title}  [{panel.unit}]", y=1.0)  # y given: not looked for above the ticks
     shade(axes, windows)
     for curve, color in zip(panel.curves, _colors(panel), strict=True):
         axes.plot(*curve.line, color=color, linewidth=1.1, zorder=3)

@@ -21,13 +21,14 @@ from benchbench.race.scenario import Race
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.limits_panel import contact_panels, limit_panels
 from benchbench.report.panel import Panel, draw_panel
+from benchbench.report.png import write_png
 from benchbench.report.race import race_figure
 from benchbench.report.style import BAD, CONTACT, GOOD, INK, LIMIT, RC
 from benchbench.report.views import Scene, draw_view, label_times, legend_handles, scene
 from benchbench.scenario import Scenario
 from benchbench.storage.files import replacing
 
-WIDTH_IN, DPI = 14.0, 150
+WIDTH_IN = 14.0
 HEADER_IN, ROW_IN = 1.15, 1.75
 VIEW_SHARE = 0.6
 """Width of the views without their labels, as a share of the page."""
@@ -65,12 +66,11 @@ def draw(
     """
     if isinstance(scenario, Race):
         with mpl.rc_context(RC), replacing(path) as temporary:
-            figure = race_figure(plan, scenario, model, replay, title, verdict)
-            figure.savefig(temporary, format="png", dpi=DPI)
+            write_png(race_figure(plan, scenario, model, replay, title, verdict), temporary)
         return
     sheet = page(plan, scenario, model, replay, title, verdict)
     with mpl.rc_context(RC), replacing(path) as temporary:
-        compose(sheet, replay is not None).savefig(temporary, format="png", dpi=DPI)
+        write_png(compose(sheet, replay is not None), temporary)
 
 
 def page(

@@ -92,7 +92,7 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
 def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> None:
     """Draw one projection; `plane` are the two world axes, 0 for x, 1 for y, 2 for z."""
     h, v = plane
-    axes.set_title(title)
+    axes.set_title(title, y=1.0)
     for target in scene.targets.values():
         axes.plot(target[:, h], target[:, v], color=TARGET, linewidth=1.4, zorder=2)
     axes.plot(scene.tool[:, h], scene.tool[:, v], color=TOOL, linewidth=1.8, zorder=2)

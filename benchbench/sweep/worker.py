@@ -10,6 +10,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
+from importlib import import_module
 from multiprocessing import connection, parent_process
 from pathlib import Path
 from typing import Any
@@ -24,13 +25,12 @@ from hydra.core.plugins import Plugins
 from hydra.core.utils import run_job
 from hydra.types import HydraContext
 
-import benchbench.report.picture
-import benchbench.storage.recording
-import benchbench.storage.table  # noqa: F401  # imported here, so that no run pays for it
 from benchbench.execution import Ended, execute
 from benchbench.settings import Settings
 from benchbench.sweep.job import Job
 
+WRITERS = ("benchbench.report.picture", "benchbench.storage.recording", "benchbench.storage.table")
+"""Modules that a run needs once it has a plan."""
 LOG = "output.log"
 """File in a run's folder with what native code printed; only if there was any."""
 _PR_SET_PDEATHSIG = 1
@@ -41,6 +41,8 @@ def begin(search_path: ConfigSearchPath) -> None:
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)  # killed with its compilers; Ctrl-C is for the parent
     _end_with_parent()
+    for module in WRITERS:  # not at the top: the parent, and whoever refuses bad input, does without
+        import_module(module)
     version.setbase("1.3")
     Plugins.instance()  # finds the kinds of places that configuration comes from
     GlobalHydra.instance().clear()

@@ -9,6 +9,7 @@ import optuna
 from optuna.trial import FrozenTrial, Trial, TrialState
 
 from benchbench.storage.status import Status
+from benchbench.tuning.outcome import good
 from benchbench.tuning.space import Space
 from benchbench.tuning.task import Task
 
@@ -34,9 +35,9 @@ def search(task: Task, study: optuna.Study, space: Space, plan: Plan, told: Call
                 break
             if task.prune == "problems":
                 trial.report(_cost(done[-1], task.objectives[0]), len(done) - 1)
-                if len(done) < len(runs) and trial.should_prune():
+                if len(done) < len(runs) and (trial.should_prune() or (_bad(done) and good(study))):
                     break
-        bad = sum(not (record and record["certified"]) for record in done)
+        bad = _bad(done)
         _tell(task, study, trial, done, bad, len(runs))
         told(_line(study.trials[trial.number], task.objectives, len(done), bad, chosen))
 
@@ -70,6 +71,10 @@ def _reporting(task: Task, trial: int, done: Sequence[Mapping[str, Any] | None])
 def _quoted(text: str) -> str:
     """A text in the quotes of Hydra's overrides."""
     return "'" + text.replace("'", "\\'") + "'"
+
+
+def _bad(done: Sequence[Mapping[str, Any] | None]) -> int:
+    return sum(not (record and record["certified"]) for record in done)
 
 
 def _given_up(done: Sequence[Mapping[str, Any] | None]) -> bool:

@@ -27,8 +27,9 @@ class Task:
 
     objectives  numeric columns of the record, each summed over the problems and minimised
     storage     a database URL as SQLAlchemy takes it, or journal:FILE
-    prune       "problems": stop a trial between problems when it is surely worse than the best; "steps": stop a run
-                between its solves when the trial has cost more than the best; "": never. One objective only
+    prune       "problems": stop a trial between problems when it is surely worse than the best, or has a plan that
+                is not certified while another trial has none; "steps": stop a run between its solves when the
+                trial has cost more than the best; "": never. One objective only
     """
 
     study_name: str
