@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, replace
 from math import sqrt
+from typing import Self
 
 import numpy as np
 
@@ -12,9 +13,10 @@ from benchbench.case import Ledger, Task
 from benchbench.certificate.residuals import residuals
 from benchbench.errors import IncompatibleCase
 from benchbench.mpcc import Mpcc
+from benchbench.multipliers import carried
 from benchbench.plan import Array
 from benchbench.relaxation import Smooth, smooth
-from benchbench.solver import Outcome, Point, Prepared, Progress, Setup
+from benchbench.solver import Claim, Outcome, Point, Prepared, Progress, Setup
 
 GOOD = ("solved", "iteration_limit")
 """Claims after which it is worth to go on from where the solver stopped."""
@@ -34,6 +36,10 @@ class Solved:
     x: Array
     sigma: float
     relaxed: Mpcc | None = None
+
+    def claiming(self, claim: Claim, detail: str) -> Self:
+        """Return the same point under another claim."""
+        return replace(self, outcome=replace(self.outcome, claim=claim, detail=detail))
 
 
 @dataclass(frozen=True)
@@ -58,58 +64,81 @@ def homotopy(
 
     Each sigma starts from the last good point with fresh multipliers. A sigma that fails does not stop the
     schedule: the next one starts where the failed one did, because nothing leads back from where IPOPT found
-    no feasible point or diverged. The last word is the certificate's. Spent time stops it. Held unknowns of a
-    relaxation move on after each solve that claims success. The solver is built again after such a move, and when less
-    time is left than it was granted.
+    no feasible point or diverged. The last word is the certificate's. Spent time stops it.
 
     near: a solved problem in whose solution this one is guessed. It gives the multipliers of what both have (see
     `carried`), and there is nowhere to be led: only the last sigma is solved.
     path: see `Path`; without one it is the relaxation's schedule, every sigma once.
     """
     ledger.relaxed |= bool(mpcc.pairs)
-    with ledger.building():
-        smoothed = smooth(mpcc, case.relaxation) if mpcc.pairs else Smooth(mpcc)
-        relaxed = smoothed.mpcc
-        offsets = relaxed.offsets
-        where = (offsets["T"], relaxed.split(relaxed.guess)["T"].size) if "T" in offsets else None
-        watch = ledger.watch.stage(stage, where) if ledger.watch else None
-        point = Point(relaxed.guess) if near is None else carried(relaxed, near)
-    granted = np.inf  # nothing is built yet
+    solves = _Solves(mpcc, case, ledger, stage, near)
     far, path = path is not None, path or Path(case.relaxation.schedule)
     schedule = path.schedule if mpcc.pairs else (0.0,)
     pending = deque(schedule if near is None else schedule[-1:])
-    retries, best, outcome, sigma = path.retries, None, None, 0.0
+    retries, best, last = path.retries, None, None
     while pending:
-        sigma = pending.popleft()
-        if smoothed.mpcc is not relaxed:
-            relaxed, granted = smoothed.mpcc, np.inf
-            point = Point(np.clip(point.x, relaxed.lower, relaxed.upper))
-        if ledger.seconds_left < IN_TIME * granted:
-            with ledger.building():
-                solve = _prepare(relaxed, case, ledger, watch, near is not None)
-            granted = ledger.seconds_left
-        outcome = _finite(solve(sigma, point), point)
-        ledger.count(outcome, stage)
-        ledger.step(stage, sigma, _travel_time(outcome, where))
-        if outcome.claim in GOOD:
-            point = Point(outcome.point.x)
-        if outcome.claim == "solved":
-            smoothed = smoothed.after(point.x, sigma)
-            best = Solved(outcome, *_original(mpcc, relaxed, point.x), sigma, relaxed)
+        last = solves.at(pending.popleft())
+        if last.outcome.claim == "solved":
+            best = last
             if path.enough and residuals(mpcc, best.x).max_product <= path.enough:
                 pending.clear()
         elif best is not None and retries > 0:
             retries -= 1
-            pending.extendleft((sigma, sqrt(sigma * best.sigma)))
-        if outcome.claim == "time_limit" or ledger.over:
+            solves.go_back(best)
+            pending.extendleft((last.sigma, sqrt(last.sigma * best.sigma)))
+        if last.outcome.claim == "time_limit" or ledger.over:
             break
-    if outcome is None:
+    if last is None:
         raise ValueError("relaxation.schedule is empty")
-    if pending and outcome.claim == "solved" and ledger.over:
-        outcome = replace(outcome, claim="time_limit", detail=f"no time was left for sigma = {pending[0]:g}")
+    if pending and last.outcome.claim == "solved" and ledger.over:
+        last = last.claiming("time_limit", f"no time was left for sigma = {pending[0]:g}")
     if best is not None and far:  # the claim is that of the whole path
-        return replace(best, outcome=replace(best.outcome, claim=outcome.claim, detail=outcome.detail))
-    return Solved(outcome, *_original(mpcc, relaxed, outcome.point.x), sigma, relaxed)
+        return best.claiming(last.outcome.claim, last.outcome.detail)
+    return last
+
+
+class _Solves:
+    """One relaxed problem, solved for one sigma after the other, each from the last good point.
+
+    Held unknowns of the relaxation move on after each solve that claims success. The solver is built again after such
+    a move, and when less time is left than it was granted.
+    """
+
+    def __init__(self, mpcc: Mpcc, case: Task, ledger: Ledger, stage: str, near: Solved | None) -> None:
+        self._mpcc, self._case, self._ledger, self._stage = mpcc, case, ledger, stage
+        self._warm = near is not None
+        self._granted = np.inf  # nothing is built yet
+        with ledger.building():
+            self._smoothed = smooth(mpcc, case.relaxation) if mpcc.pairs else Smooth(mpcc)
+            self._relaxed = relaxed = self._smoothed.mpcc
+            offsets = relaxed.offsets
+            self._steps = (offsets["T"], relaxed.split(relaxed.guess)["T"].size) if "T" in offsets else None
+            self._watch = ledger.watch.stage(stage, self._steps) if ledger.watch else None
+            self._point = Point(relaxed.guess)
+            if near is not None and near.relaxed is not None:
+                self._point = carried(relaxed, near.relaxed, near.outcome.point)
+
+    def go_back(self, solved: Solved) -> None:
+        """Start the next solve from an earlier one."""
+        self._point = Point(solved.outcome.point.x)
+
+    def at(self, sigma: float) -> Solved:
+        """Solve for one sigma, whatever comes of it."""
+        if self._smoothed.mpcc is not self._relaxed:
+            self._relaxed, self._granted = self._smoothed.mpcc, np.inf
+            self._point = Point(np.clip(self._point.x, self._relaxed.lower, self._relaxed.upper))
+        if self._ledger.seconds_left < IN_TIME * self._granted:
+            with self._ledger.building():
+                self._solve = _prepare(self._relaxed, self._case, self._ledger, self._watch, self._warm)
+            self._granted = self._ledger.seconds_left
+        outcome = _finite(self._solve(sigma, self._point), self._point)
+        self._ledger.count(outcome, self._stage)
+        self._ledger.step(self._stage, sigma, _travel_time(outcome, self._steps))
+        if outcome.claim in GOOD:
+            self._point = Point(outcome.point.x)
+        if outcome.claim == "solved":
+            self._smoothed = self._smoothed.after(self._point.x, sigma)
+        return Solved(outcome, *_original(self._mpcc, self._relaxed, outcome.point.x), sigma, self._relaxed)
 
 
 def _finite(outcome: Outcome, start: Point) -> Outcome:
@@ -123,32 +152,6 @@ def _original(mpcc: Mpcc, relaxed: Mpcc, x: Array) -> tuple[dict[str, Array], Ar
     """Unknowns by name, and those of the original problem stacked."""
     values = relaxed.split(x)
     return values, np.concatenate([np.zeros(0), *(values[v.name].ravel() for v in mpcc.variables)])
-
-
-def carried(mpcc: Mpcc, near: Solved) -> Point:
-    """Return the guess with the multipliers of another solution.
-
-    Variables and blocks that agree in name and width take them, row by row; where the other grid is coarser or finer,
-    from the row at the same share of the way. All others are 0.
-    """
-    last = near.outcome.point
-    if near.relaxed is None or last.lam_x is None or last.lam_g is None:
-        return Point(mpcc.guess)
-    blocks = near.relaxed.constraints
-    cuts = np.split(last.lam_g, np.cumsum([block.lower.size for block in blocks])[:-1])
-    of_rows = {block.name: cut.reshape(block.lower.shape) for block, cut in zip(blocks, cuts, strict=True)}
-    of_bounds = near.relaxed.split(last.lam_x)
-    lam_x = [_spread(of_bounds.get(v.name), v.guess.shape) for v in mpcc.variables]
-    lam_g = [_spread(of_rows.get(block.name), block.lower.shape) for block in mpcc.constraints]
-    return Point(mpcc.guess, np.concatenate([np.zeros(0), *lam_g]), np.concatenate([np.zeros(0), *lam_x]))
-
-
-def _spread(values: Array | None, shape: tuple[int, ...]) -> Array:
-    """Rows (R, n) on another number of rows, flat; zeros where there are none or of another width."""
-    if values is None or values.shape[1:] != shape[1:] or not len(values):
-        return np.zeros(shape).ravel()
-    same_share = ((np.arange(shape[0]) + 0.5) * len(values) / shape[0]).astype(int)
-    return np.asarray(values[same_share]).ravel()
 
 
 def _travel_time(outcome: Outcome, where: tuple[int, int] | None) -> float | None:

@@ -30,8 +30,11 @@ def measured(
 ) -> Result:
     """Solve, from nothing or from an earlier result, until the certificate accepts or a margin would exceed `most`.
 
-    Returns the certified result; without one the first, which has no margins.
+    Returns the certified result; without one the first, which has no margins. With `most` 0 nothing is measured: the one
+    solve has the margins of the scenario.
     """
+    if not most:
+        return solve(case, None)
     margins: Margins = {"rate_margin": {}, "contact_margin": {}}
     first = last = solve(_with(case, margins), None)
     for _ in range(ROUNDS):

@@ -46,6 +46,11 @@ def sample(motion: Motion, times: Array) -> tuple[Array, Array]:
     return position[: len(times)], velocity[: len(times)]
 
 
+def same_kind(one: Motion, other: Motion) -> bool:
+    """Whether two motions differ in their parameters only."""
+    return _state_function(one).serialize() == _state_function(other).serialize()
+
+
 def _state_function(motion: Motion) -> ca.Function:
     t, p = ca.SX.sym("t"), ca.SX.sym("p", len(motion.parameters))
     position = motion.position(t, p)

@@ -8,6 +8,8 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
 from omegaconf import DictConfig
 
+from benchbench.errors import BadInput
+
 SMOOTH, RELAXING = "phases", "relax"
 """The default strategy, which has no complementarity to relax, and the one for those who ask for a relaxation."""
 MARGINS = ("scenario.rate_margin", "scenario.contact_margin")
@@ -18,14 +20,21 @@ def implied(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
     """Return what is meant beside the overrides, given the configuration they lead to, that of Hydra included.
 
     Who asks for a relaxation, or sets a field of one, and for no strategy does not mean one that ignores it. Who sets
-    margins does not mean a strategy that measures its own.
+    margins does not mean a strategy that measures its own. Raises BadInput for who asks for both.
     """
     if _relaxing(overrides) and cfg.hydra.runtime.choices.get("strategy") == SMOOTH:
         return [f"strategy={RELAXING}"]
     if not _by_hand(overrides) or not isinstance(cfg.get("strategy"), DictConfig):
         return []
     asked = _keys(overrides)
-    return [f"{key}=0" for key in _measured(cfg.strategy, "strategy") if key not in asked]
+    measuring = list(_measured(cfg.strategy, "strategy"))
+    for key in asked.intersection(measuring):
+        raise BadInput(
+            key,
+            "margins are measured, but there are margins by hand, too",
+            f"0 beside {MARGINS[0]} or {MARGINS[1]}",
+        )
+    return [f"{key}=0" for key in measuring]
 
 
 def implying(overrides: Sequence[str]) -> bool:

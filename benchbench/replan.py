@@ -19,7 +19,7 @@ from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation import SHORTEST, Problem, phases
 from benchbench.guess import straight_line
 from benchbench.homotopy import Solved
-from benchbench.motion import Motion
+from benchbench.motion import Motion, same_kind
 from benchbench.mpcc import Variable
 from benchbench.plan import Array, Plan
 from benchbench.race.scenario import Race
@@ -110,7 +110,7 @@ def moved(case: Case, target: Motion, q: Array, v: Array) -> Case:
             problem, names = f"{np.array(values).tolist()} was given", ", ".join(box.names)
             raise BadInput(field, problem, f"{len(box.names)} numbers: {names}")
     known = case.scenario.target
-    if known is None or type(target) is not type(known) or target.parameters.shape != known.parameters.shape:
+    if known is None or not same_kind(target, known):
         raise BadInput("target", f"'{type(target).__name__}' is another kind of motion", type(known).__name__)
     start = dict(zip(case.model.configuration.names, map(float, q), strict=True))
     rates = dict(zip(case.model.velocity.names, map(float, v), strict=True))

@@ -125,7 +125,7 @@ def retried(
     """Solve from the guess of the case; while no success is claimed, from it undisturbed, then from disturbances.
 
     All but the last attempt may use at most `patience` iterations: a good start needs a tenth of that. Returns the
-    first result when none succeeds.
+    last result when none succeeds, the one that had the whole iteration limit.
     """
     guessed = case.guess.plan(case, ledger)
     found: list[Result] = []
@@ -139,7 +139,7 @@ def retried(
             return found[-1]
         if ledger.over:
             break
-    return found[0]
+    return found[-1]
 
 
 def _seed(seed: int, attempt: int) -> int:

@@ -41,7 +41,7 @@ class Windows:
     found: dict[int, Result] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Raise IncompatibleCase for a scenario with another number of stops than one."""
+        """Raise IncompatibleCase for another scenario than one with one contact of kappa_init nodes."""
         check_one_contact(self.case)
         self.count = self.case.scenario.itinerary.stops[0].kappa_init
 
@@ -146,11 +146,18 @@ def solved_again(case: Case, ledger: Ledger, near: Result) -> Result:
 
 
 def check_one_contact(case: Case) -> None:
-    """Raise IncompatibleCase for a scenario with another number of stops than one."""
-    scenario = case.scenario
+    """Raise IncompatibleCase unless one stop has to be made, for kappa_init nodes."""
+    scenario, strategy = case.scenario, case.names["strategy"]
     if isinstance(scenario, Race) or len(scenario.itinerary.stops) != 1:
-        problem = f"'{case.names['strategy']}' searches for one contact"
+        problem = f"'{strategy}' searches for one contact"
         raise IncompatibleCase("strategy", problem, "phases, sequences, orders")
+    (stop,) = scenario.itinerary.stops
+    if scenario.itinerary.may_skip(stop):
+        problem = f"'{strategy}' searches where the contact is, not whether there is one"
+        raise IncompatibleCase("strategy", problem, "sequences, phases")
+    if stop.contact_seconds is not None:
+        problem = f"'{strategy}' holds contact at kappa_init nodes, not for {stop.contact_seconds:g} s"
+        raise IncompatibleCase("scenario.contact_seconds", problem, "null, or strategy=phases")
 
 
 def coarser(case: Case, levels: int) -> Iterable[Case]:

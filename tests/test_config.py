@@ -166,12 +166,17 @@ def test_who_asks_for_a_relaxation_gets_a_strategy_that_relaxes(overrides: str, 
         ("scenario.rate_margin.arm=0.07", 0.0),
         ("+scenario.contact_margin.velocity=0.1", 0.0),
         ("strategy=enumeration scenario.contact_margin={position:0.02}", 0.0),
-        ("scenario.rate_margin.arm=0.07 strategy.margin=0.3", 0.3),
+        ("scenario.rate_margin.arm=0.07 strategy.margin=0", 0.0),
     ],
 )
 def test_who_sets_margins_gets_them_instead_of_measured_ones(overrides: str, left: float) -> None:
     case = config.compose("+scenario=static", *overrides.split())
     assert case.strategy.margin == left  # type: ignore[attr-defined]
+
+
+def test_margins_are_measured_or_given_by_hand() -> None:
+    with pytest.raises(BadInput, match=r"strategy.margin: .* allowed: 0 beside scenario.rate_margin"):
+        config.compose("+scenario=static", "scenario.rate_margin.arm=0.07", "strategy.margin=0.3")
 
 
 def test_margins_by_hand_hold_in_nested_strategies_and_for_relaxations() -> None:

@@ -17,7 +17,7 @@ from benchbench.certificate.certify import certify
 from benchbench.certificate.race_bound import order_bound, race_bound
 from benchbench.certificate.residuals import residuals
 from benchbench.errors import BadInput
-from benchbench.homotopy import carried
+from benchbench.multipliers import carried
 from benchbench.plan import Array, Plan
 from benchbench.race.gates import passed_at
 from benchbench.race.scenario import Race
@@ -129,7 +129,7 @@ def test_multipliers_are_carried_by_name() -> None:
     case = case_of("scenario.gates=1", "scenario.nodes_per_gate=8")
     held = from_phases(case, Ledger(60.0), posing.start(case, Ledger(60.0)))
     relaxed = smooth(posing.free(case, held.plan).mpcc, case.relaxation).mpcc
-    start = carried(relaxed, held.solved)
+    start = carried(relaxed, held.solved.relaxed, held.solved.outcome.point)
     assert held.solved.relaxed is not None and start.lam_g is not None and start.lam_x is not None
     rows = held.problem.mpcc.constraints[0]  # the dynamics: in both, and at the same place
     assert relaxed.constraints[0].name == rows.name

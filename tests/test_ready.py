@@ -6,6 +6,7 @@ import gzip
 import json
 import os
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,10 +17,14 @@ import pytest
 
 from benchbench import commands
 from benchbench.assemble import assemble
+from benchbench.case import Ledger
 from benchbench.config import compose, compose_any
 from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.homotopy import Path as Schedule
+from benchbench.homotopy import homotopy
 from benchbench.mpcc import Mpcc, evaluate
 from benchbench.pipeline import Run, run, write
+from benchbench.solver import Claim, Outcome, Point, Prepared, Setup, Solver
 from benchbench.storage.table import read
 from benchbench.summary import show
 from benchbench_plugins.collections.nosbench import MpccFile
@@ -254,6 +259,38 @@ def test_continuation_returns_its_last_good_point(told: dict[str, Any], tmp_path
     a, b, _ = done.result.solved.x  # type: ignore[union-attr]
     assert 0.02 - 1e-7 <= a * b <= 0.1 + 1e-7
     assert not done.record["claimed_success"] and not done.record["certified"]
+
+
+class Stuck(Solver):
+    """Solves nothing: reports solve after solve what it is told, and remembers where each began."""
+
+    def __init__(self, claims: Sequence[Claim]) -> None:
+        self.claims, self.starts = list(claims), list[float]()
+
+    def native_options(self, setup: Setup) -> dict[str, Any]:
+        return {}
+
+    def version(self) -> str:
+        return "1"
+
+    def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
+        def solve(sigma: float, start: Point) -> Outcome:
+            self.starts.append(float(start.x[0]))
+            claim, x = self.claims[len(self.starts) - 1], np.full(mpcc.size, float(len(self.starts)))
+            return Outcome(claim, Point(x), 0.0, 1, 1, 0.0, "")
+
+        return solve
+
+
+def test_what_failed_is_reached_for_again_from_the_last_point_solved(
+    told: dict[str, Any], tmp_path: Path
+) -> None:
+    """Two go well, one ends at its iteration limit; with no retry left the next one goes on from there."""
+    case = compose_any("+scenario=mpcc_file", f"scenario.path={stored(told, tmp_path / 'small.json')}")
+    solver = Stuck(["solved", "solved", "iteration_limit", "iteration_limit", "solved"])
+    path = Schedule((1.0, 0.1, 0.01), retries=1)
+    homotopy(case.scenario.mpcc(), replace(case, solver=solver), Ledger(60.0), "stuck", path=path)
+    assert solver.starts[1:] == [1, 2, 2, 4]
 
 
 def test_derivatives_of_a_whole_problem_are_casadis_own(nosbench: Path) -> None:

@@ -15,12 +15,12 @@ from benchbench.dynamics import Grid, Phase
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation import phases
 from benchbench.guess import straight_line
-from benchbench.motion import Motion
+from benchbench.motion import Motion, same_kind
 from benchbench.plan import Array, Plan
 from benchbench.replan import Replanner, moved, renumbered
 from benchbench.shift import Shift
 from benchbench.strategy import Result, pose
-from benchbench_plugins.motions import Circle, Fixed, Linear
+from benchbench_plugins.motions import Circle, Combined, Fixed, Linear
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "replanning.py"
 SMALL = ("scenario.intervals=24", "scenario.contact_seconds=0.1", "compile=never")
@@ -116,6 +116,9 @@ def test_bad_input_is_explained() -> None:
     q, v = state(replanner.first.plan, 0.0)
     with pytest.raises(BadInput, match="another kind"):
         replanner.plan(TARGETS["linear"], q, v)
+    line, round_ = TARGETS["linear"], TARGETS["circle"]
+    assert same_kind(Combined((line, round_)), Combined((line, round_)))
+    assert not same_kind(Combined((line, round_)), Combined((round_, line))), "as many numbers"
     with pytest.raises(BadInput, match="contact has begun"):
         replanner.plan(TARGETS["static"], q, v, elapsed=5.0)
     with pytest.raises(BadInput, match="elapsed: nan was given"):

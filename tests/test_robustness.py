@@ -51,7 +51,7 @@ def test_one_line_per_relaxation_and_one_count_per_run(lines: list[list[str]]) -
         head,
         ["1", "1", "1", "1", "1"],
         ["2", "0", "0", "0", "0"],
-        ["3", "3", "2", "2", "1"],
+        ["3", "3", "1", "2", "1"],
     ]
 
 

@@ -14,7 +14,7 @@ from benchbench.certificate.window_bound import window_bounds
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation import fixed_window, phase_grid
 from benchbench.guess import first_plan, straight_line
-from benchbench.homotopy import carried
+from benchbench.multipliers import carried
 from benchbench.plan import Array, Plan
 from benchbench.storage.recording import write_mcap
 from benchbench.strategy import Result, judge, planned, pose
@@ -91,7 +91,7 @@ def test_multipliers_are_carried_to_the_next_grid(scan: dict[int, Result]) -> No
     k = 2 * min(scan, key=lambda k: scan[k].objective)
     warm, cold = (Windows(fine, Ledger(60.0), coarse.plan, known).solve(k) for known in (coarse, None))
     assert warm.objective == pytest.approx(cold.objective, rel=1e-6)
-    new = of_rows(warm, carried(warm.problem.mpcc, coarse.solved).lam_g)
+    new = of_rows(warm, carried(warm.problem.mpcc, coarse.solved.relaxed, coarse.solved.outcome.point).lam_g)
     old = of_rows(coarse, coarse.solved.outcome.point.lam_g)
     assert np.abs(old).max() > 0
     assert np.array_equal(new[0::2], old) and np.array_equal(new[1::2], old)
@@ -132,6 +132,26 @@ def test_searching_for_one_contact_refuses_several_before_it_solves(strategy: st
     assert not ledger.solves
 
 
+@pytest.mark.parametrize("strategy", ["enumeration", "polish"])
+@pytest.mark.parametrize(
+    ("overrides", "problem"),
+    [
+        (
+            ("+scenario=detour", "~scenario.stops.kiosk", "scenario.stops.cart.reward=1.5"),
+            "where the contact is, not whether",
+        ),
+        (("+scenario=static", "scenario.contact_seconds=0.1"), "at kappa_init nodes, not for 0.1 s"),
+    ],
+)
+def test_searching_for_windows_refuses_what_windows_do_not_say(
+    strategy: str, overrides: tuple[str, ...], problem: str
+) -> None:
+    case, ledger = config.compose(*overrides, f"strategy={strategy}"), Ledger(60.0)
+    with pytest.raises(IncompatibleCase, match=problem):
+        planned(case.strategy, case, ledger)
+    assert not ledger.solves
+
+
 @pytest.mark.parametrize("seed", [4, 7])
 def test_phases_finds_the_best_known_plan_from_a_disturbed_start(seed: int) -> None:
     """Two of the 90 runs of docs/strategies.md, on the default grid."""
@@ -140,11 +160,29 @@ def test_phases_finds_the_best_known_plan_from_a_disturbed_start(seed: int) -> N
     assert record["gap_percent"] <= 0.5
 
 
-def test_polish_is_no_worse_than_what_it_polishes() -> None:
-    early = "scenario.contact_guess=0.3"
-    relaxed = solve(case_of("strategy=relax", "guess=line", early))
-    polished = solve(case_of("strategy=polish", "guess=line", early))
-    assert polished.objective <= relaxed.objective + 1e-9
+def test_polish_moves_an_early_contact_to_the_best_window() -> None:
+    early = ("guess=line", "scenario.contact_guess=0.2", "scenario.intervals=24")
+    relaxed, polished, best = (
+        solve(case_of(f"strategy={name}", *early)) for name in ("relax", "polish", "enumeration")
+    )
+    assert polished.plan.contacts == best.plan.contacts != relaxed.plan.contacts
+    assert polished.objective == pytest.approx(best.objective, rel=1e-6)
+    assert polished.objective < relaxed.objective
+
+
+def test_polish_gives_no_certified_plan_away_for_a_cheaper_one() -> None:
+    """Without margins, the polished plan exceeds the arm's rate; that of relax has the scenario's margins."""
+    case = config.compose("+scenario=circle", "strategy=polish", "strategy.margin=1e-9")
+    assert judge(solve(case), case, Ledger(60.0)).certified
+
+
+def test_phases_without_success_returns_the_attempt_with_the_whole_limit() -> None:
+    case = config.compose(
+        "+scenario=static", "strategy.patience=5", "strategy.attempts=2", "iteration_limit=20"
+    )
+    found = solve(case)
+    assert not found.claimed
+    assert found.solved.outcome.iterations == 20
 
 
 def test_refine_stops_when_it_has_settled() -> None:

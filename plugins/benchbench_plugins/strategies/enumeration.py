@@ -32,14 +32,14 @@ class Enumeration(Strategy):
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Search; where the replay asks for margins, solve the best window again.
 
-        Raises IncompatibleCase for more contacts than one.
+        Raises IncompatibleCase unless one contact is to be held for kappa_init nodes.
         """
         check_one_contact(case)
 
         def search(case: Case, near: Result | None) -> Result:
             return self._search(case, ledger) if near is None else solved_again(case, ledger, near)
 
-        return measured(case, ledger, self.margin, search) if self.margin else self._search(case, ledger)
+        return measured(case, ledger, self.margin, search)
 
     def _search(self, case: Case, ledger: Ledger) -> Result:
         coarsest, *finer = coarser(case, self.levels)

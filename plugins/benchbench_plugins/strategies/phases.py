@@ -43,4 +43,4 @@ class Phases(Strategy):
                 case = replace(case, guess=Given(near.plan), seed=0)
             return retried(case, ledger, self.attempts, self.patience, once)
 
-        return measured(case, ledger, self.margin, repeatedly) if self.margin else repeatedly(case, None)
+        return measured(case, ledger, self.margin, repeatedly)

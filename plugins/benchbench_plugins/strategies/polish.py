@@ -18,7 +18,8 @@ from benchbench.windows import Windows, check_one_contact, solved_again
 class Polish(Strategy):
     """Run `after`, hold contact at the nodes it found, solve that smooth problem, move the window left and right.
 
-    The result of `after` is returned where it is certified and costs no more. Margins as for `phases`.
+    Of this and the result of `after` the certified one is returned, of two certified ones the cheaper. Margins as for
+    `phases`.
     """
 
     after: InstanceOf[Strategy]
@@ -27,7 +28,7 @@ class Polish(Strategy):
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Solve, then walk downhill over windows; where the replay asks for margins, solve the best one again.
 
-        Raises IncompatibleCase for more contacts than one.
+        Raises IncompatibleCase unless one contact is to be held for kappa_init nodes.
         """
         check_one_contact(case)
         found = planned(self.after, case, ledger)
@@ -39,6 +40,8 @@ class Polish(Strategy):
             best = windows.descend(windows.nearest).best
             return best.telling(search=windows.account().told("windows"))
 
-        polished = measured(case, ledger, self.margin, search) if self.margin else search(case, None)
-        better = polished.objective < found.objective or not judge(found, case, ledger).certified
-        return polished if better and polished.claimed else found
+        polished = measured(case, ledger, self.margin, search)
+        if not polished.claimed:
+            return found
+        certified = [result for result in (found, polished) if judge(result, case, ledger).certified]
+        return min(certified, key=lambda result: result.objective, default=polished)
