@@ -17,7 +17,7 @@ from benchbench.relaxation import Relaxation, Relaxed, Schedule
 class LinFukushima(Relaxation):
     """G H <= sigma^2 and (G + sigma)(H + sigma) >= sigma^2 (Lin & Fukushima 2005, doi:10.1007/s10479-004-5024-z).
 
-    Two hyperbolas, and no rows for the signs: the second one implies G, H > -sigma. sigma^2 bounds the product.
+    Two hyperbolas, and no rows for the signs: both together imply G, H > -sigma. sigma^2 bounds the product.
     Vanishing pairs get the slack form.
     """
 

@@ -21,6 +21,8 @@ from benchbench.strategy import Result, Strategy
 class Continuation(Strategy):
     """Any relaxation with its sigma driven from `first` to `last` by `factor`, all three as products G H.
 
+    Penalties have no such product: there all three are sigma itself, one over the penalty parameter.
+
     A relaxation's own schedule starts where the handover's good guess is. A ready-made problem starts anywhere:
     over 603 of them sigma_0 of 0.1 to 10 was best (Nurkanovic, Pozharskiy & Diehl 2024,
     doi:10.1007/s10013-024-00704-z). A sigma that fails is reached for again in smaller steps.
