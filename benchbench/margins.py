@@ -21,6 +21,9 @@ ROUNDS = 3
 AGAIN = 1.1
 """What was exceeded is taken back with so much more, because the next plan flies differently."""
 
+BEST_ONLY = "; margins for the best one only"
+"""What the account of a search says whose candidates were solved without margins."""
+
 Margins = dict[str, dict[str, float]]
 """Margins by the name of the field of the scenario."""
 

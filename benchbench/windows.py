@@ -17,12 +17,11 @@ from benchbench.case import Case, Ledger
 from benchbench.certificate.window_bound import window_bounds
 from benchbench.errors import IncompatibleCase
 from benchbench.formulation import fixed_window, nearest_windows
+from benchbench.margins import BEST_ONLY
 from benchbench.plan import Array, Plan
 from benchbench.race.scenario import Race
 from benchbench.search import Account
 from benchbench.strategy import Result, pose
-
-BEST_ONLY = "; margins for the best one only"
 
 
 @dataclass

@@ -26,11 +26,10 @@ RIGHT = {"two_free": "[bench,cart]", "first_robot": "[far]", "detour": "[cart]"}
 BOTH = "strategy=relax relaxation=scholtes,fischer_burmeister"
 SWEEPS = {
     "own grid": {
-        "phases": "+scenario=delivery strategy=phases",
-        "sequences": f"+scenario={SCENARIOS} strategy=sequences",
+        "sequences": f"+scenario=delivery,{SCENARIOS} strategy=sequences",
     },
     "N = 40, kappa_init = 2": {
-        "sequences": f"+scenario={SCENARIOS} strategy=sequences",
+        "sequences": f"+scenario={SCENARIOS} strategy=sequences strategy.margin=0",
         "neutral": f"+scenario={SCENARIOS} {BOTH} guess=neutral",
         "listed": f"+scenario={SCENARIOS} {BOTH} guess=phases",
         **{
@@ -39,7 +38,7 @@ SWEEPS = {
         },
     },
     "N = 12, kappa_init = 1": {
-        "sequences": f"+scenario={SCENARIOS} strategy=sequences",
+        "sequences": f"+scenario={SCENARIOS} strategy=sequences strategy.margin=0",
         "scholtes": f"+scenario={SCENARIOS} strategy=relax relaxation=scholtes guess=neutral,phases",
         "bonmin": f"+scenario={SCENARIOS} strategy=relax relaxation=direct solver=bonmin guess=neutral,phases",
     },

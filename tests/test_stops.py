@@ -12,7 +12,7 @@ import pytest
 from flights import REST, SHIFT, along_tool, crossing, table_one
 from test_certificate import LIMITS, assert_mentions
 
-from benchbench import config, posing
+from benchbench import config, pipeline, posing
 from benchbench.case import Case, Ledger
 from benchbench.certificate.bound import arm_reach, sequence_bound
 from benchbench.certificate.certify import certify
@@ -262,7 +262,9 @@ def test_a_named_stop_is_the_same_problem_as_a_target() -> None:
 
 @pytest.mark.parametrize("scenario", ["two_free", "first_robot"])
 def test_sequences_equals_brute_force(scenario: str) -> None:
-    case = compose(f"+scenario={scenario}", "scenario.intervals=16", "strategy=sequences")
+    case = compose(
+        f"+scenario={scenario}", "scenario.intervals=16", "strategy=sequences", "strategy.margin=0"
+    )
     found = case.strategy.solve(case, Ledger(60.0))
     costs = {}
     for made in case.scenario.itinerary.sequences():
@@ -275,6 +277,18 @@ def test_sequences_equals_brute_force(scenario: str) -> None:
     assert best != tuple(s.name for s in case.scenario.itinerary.listed)  # the obvious guess is wrong
     assert sorted(first, key=lambda name: first[name]) == list(best)
     assert found.account["search"].startswith("2 sequences: 2 solved")
+
+
+def test_sequences_takes_the_margins_that_the_replay_asks_for() -> None:
+    """Without any, the replay exceeds a limit; fixed ones cost more."""
+    free = ("scenario.rate_margin.arm=0", "scenario.contact_margin.position=0")
+    measured, none, fixed = (
+        pipeline.run(compose("+scenario=two_free", "strategy=sequences", *more)).record
+        for more in ((), ("strategy.margin=0", *free), ("strategy.margin=0",))
+    )
+    assert measured["search"] == "2 sequences: 2 solved; all were tried; margins for the best one only"
+    assert measured["certified"] and not none["certified"]
+    assert none["travel_time_s"] < measured["travel_time_s"] < fixed["travel_time_s"]
 
 
 def test_a_relaxation_chooses_one_robot_whole() -> None:

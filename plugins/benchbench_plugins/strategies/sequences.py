@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import final
+from typing import Annotated, final
 
+from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench import posing
 from benchbench.case import Case, Ledger
 from benchbench.certificate.bound import sequence_bound
+from benchbench.margins import BEST_ONLY, measured
 from benchbench.search import Candidate, Found, best_first
 from benchbench.stop import Stop
 from benchbench.strategy import Result, Strategy, pose
@@ -23,10 +25,20 @@ class Sequences(Strategy):
     The bound is that of speed limits and reach, less the rewards; it is a proof for plans that keep these limits, without
     the tolerances of the certificate. Each solve is smooth and local: what
     is returned is the best of the local optima of all sequences that were not pruned, and the account says how many
-    were solved, pruned, failed or left for want of time.
+    were solved, pruned, failed or left for want of time. Margins as for `phases`, for the best sequence only.
     """
 
+    margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
+
     def solve(self, case: Case, ledger: Ledger) -> Result:
+        """Search; where the replay asks for margins, solve the best sequence again."""
+
+        def search(case: Case, near: Result | None) -> Result:
+            return self._search(case, ledger) if near is None else self._again(case, ledger, near)
+
+        return measured(case, ledger, self.margin, search)
+
+    def _search(self, case: Case, ledger: Ledger) -> Result:
         """Bound, sort, solve."""
         scenario, model = case.scenario, case.model
         plant = model.plant()
@@ -41,6 +53,13 @@ class Sequences(Strategy):
             lambda: not ledger.over,
         )
         return replace(best.result, account={"search": account.told("sequences")})
+
+    def _again(self, case: Case, ledger: Ledger, near: Result) -> Result:
+        """Solve the sequence of a result once more, from its plan."""
+        with ledger.building():
+            problem = posing.phases(case, near.plan)
+        search = f"{near.account['search'].removesuffix(BEST_ONLY)}{BEST_ONLY}"
+        return pose(problem, case, ledger, "phases: the best again").telling(search=search)
 
     def _fly(self, case: Case, ledger: Ledger, made: tuple[Stop, ...]) -> Found[Result]:
         start = posing.start(case, ledger, made)
