@@ -172,7 +172,8 @@ def _best(r: Mapping[str, Any]) -> str:
     if r["best_known_s"] is None:
         return ""
     gap = "" if r["gap_percent"] is None else f", {r['gap_percent']:+.3f} %"
-    return f"; best known {r['best_known_s']:.4f} s{gap}"
+    less = ", rewards taken off," if r["reward_s"] else ""
+    return f"; best known{less} {r['best_known_s']:.4f} s{gap}"
 
 
 def _size(r: Mapping[str, Any]) -> str:
