@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import Literal
 
 import numpy as np
@@ -14,7 +15,7 @@ from benchbench.plan import Array
 Answer = Literal["yes", "no", "undecided"]
 
 
-def b_stationary(tangent: Tangent, tolerance: float, seconds: float) -> Answer:
+def b_stationary(tangent: Tangent, tolerance: float, deadline: float) -> Answer:
     """Tell whether no direction of the linearised cone lowers the cost.
 
     min grad f d / scale over |d_j| <= 1, a_i d >= 0 or <= 0 as active, and for a biactive pair
@@ -23,9 +24,11 @@ def b_stationary(tangent: Tangent, tolerance: float, seconds: float) -> Answer:
     length one, so the trust region only scales. scale = |grad f|_1, at least 1: `tolerance` is the decrease.
 
     "yes" is always right to first order. A descent direction of the linearised cone leads into the feasible
-    set where MPCC-LICQ holds or nothing active is curved; otherwise, and when time is up: "undecided".
+    set where MPCC-LICQ holds or nothing active is curved; otherwise, and past the deadline (of time.perf_counter): "undecided".
     """
-    found = _solve(tangent, None, seconds)
+    if time.perf_counter() > deadline:
+        return "undecided"
+    found = _solve(tangent, None, deadline)
     if found.x is None:
         return "undecided"
     scale = max(1.0, float(np.sum(np.abs(tangent.gradient))))
@@ -33,13 +36,13 @@ def b_stationary(tangent: Tangent, tolerance: float, seconds: float) -> Answer:
         return "yes"
     # Binaries may be 1e-6 off, which lets G' d and H' d both be positive: descend on the branch itself.
     branch = found.x[len(tangent.gradient) :] > 0.5
-    exact = _solve(tangent, branch, seconds)
+    exact = _solve(tangent, branch, deadline)
     if exact.x is None or exact.fun / scale >= -tolerance:
         return "undecided"
     return "no" if tangent.affine or tangent.independent else "undecided"
 
 
-def _solve(tangent: Tangent, branch: Array | None, seconds: float) -> OptimizeResult:
+def _solve(tangent: Tangent, branch: Array | None, deadline: float) -> OptimizeResult:
     """The program in (d, y); y = 1 allows G' d > 0, y = 0 allows H' d > 0. `branch` fixes y."""
     n, k = len(tangent.gradient), len(tangent.biactive)
     low = np.where(tangent.floor, 0.0, -np.inf)
@@ -60,5 +63,5 @@ def _solve(tangent: Tangent, branch: Array | None, seconds: float) -> OptimizeRe
         integrality=np.concatenate([np.zeros(n), np.ones(k)]),
         bounds=Bounds(np.concatenate([-np.ones(n), y[0]]), np.concatenate([np.ones(n), y[1]])),
         constraints=LinearConstraint(rows, low, high),
-        options={"time_limit": seconds},
+        options={"time_limit": max(0.0, deadline - time.perf_counter())},
     )

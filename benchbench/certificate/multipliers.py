@@ -18,6 +18,8 @@ Side = tuple[float, float, float, float]
 """Bounds of the two multipliers of a biactive pair: lower and upper of G's, lower and upper of H's."""
 
 FREE, POSITIVE, NEGATIVE, ZERO = (-np.inf, np.inf), (0.0, np.inf), (-np.inf, 0.0), (0.0, 0.0)
+OPTIMAL = 0
+"""Status of scipy's milp."""
 SIDES: dict[Kind, tuple[Side, ...]] = {
     "W": ((*FREE, *FREE),),
     "S": ((*POSITIVE, *POSITIVE),),
@@ -25,6 +27,10 @@ SIDES: dict[Kind, tuple[Side, ...]] = {
     "C": ((*POSITIVE, *POSITIVE), (*NEGATIVE, *NEGATIVE)),
 }
 """What each class allows a biactive pair; with several ways they may differ from pair to pair."""
+
+
+class Unsettled(Exception):
+    """No multipliers were found in time."""
 
 
 @dataclass(frozen=True)
@@ -42,9 +48,9 @@ class Multipliers:
     values: Array
 
 
-def weak(tangent: Tangent) -> Multipliers:
-    """Multipliers of weak stationarity: those of biactive pairs have any sign."""
-    return _fit(tangent, _sides(tangent, "W"))
+def weak(tangent: Tangent, deadline: float) -> Multipliers:
+    """Multipliers of weak stationarity: those of biactive pairs have any sign. Raises Unsettled past the deadline."""
+    return _fit(tangent, _sides(tangent, "W"), deadline)
 
 
 def classify(tangent: Tangent, tolerance: float, deadline: float) -> Kind:
@@ -53,27 +59,25 @@ def classify(tangent: Tangent, tolerance: float, deadline: float) -> Kind:
     Multipliers need not be unique, so for M and C the signs are searched, pair by pair, depth first. Past the
     deadline (of time.perf_counter) the answer is "undecided".
     """
-    if weak(tangent).residual > tolerance:
-        return "none"
-    if _fit(tangent, _sides(tangent, "S")).residual <= tolerance:
-        return "S"
     try:
+        if weak(tangent, deadline).residual > tolerance:
+            return "none"
+        if _fit(tangent, _sides(tangent, "S"), deadline).residual <= tolerance:
+            return "S"
         for kind in ("M", "C"):
             if _search(tangent, kind, {}, tolerance, deadline):
                 return kind
-    except TimeoutError:
+    except Unsettled:
         return "undecided"
     return "W"
 
 
 def _search(tangent: Tangent, kind: Kind, chosen: dict[int, Side], tolerance: float, deadline: float) -> bool:
     """Whether the pairs not yet `chosen` have sides such that multipliers of this class exist."""
-    if time.perf_counter() > deadline:
-        raise TimeoutError
     sides = _sides(tangent, "W")
     for pair, side in chosen.items():
         sides[pair] = _meet(side, sides[pair])
-    found = _fit(tangent, sides)
+    found = _fit(tangent, sides, deadline)
     if found.residual > tolerance:
         return False
     worst = _worst(tangent, kind, found.values)
@@ -101,7 +105,7 @@ def _meet(a: Side, b: Side) -> Side:
     return (max(a[0], b[0]), min(a[1], b[1]), max(a[2], b[2]), min(a[3], b[3]))
 
 
-def _fit(tangent: Tangent, sides: list[Side]) -> Multipliers:
+def _fit(tangent: Tangent, sides: list[Side], deadline: float) -> Multipliers:
     low = np.where(tangent.roof, -np.inf, 0.0)
     high = np.where(tangent.floor, np.inf, 0.0)
     for (g, h), (low_g, high_g, low_h, high_h) in zip(tangent.biactive, sides, strict=True):
@@ -110,18 +114,23 @@ def _fit(tangent: Tangent, sides: list[Side]) -> Multipliers:
     values = np.zeros(len(low))
     if open_.any():
         matrix = csc_array(tangent.rows[np.flatnonzero(open_)].T)
-        values[open_] = _solve(matrix, tangent.gradient, low[open_], high[open_])
+        values[open_] = _solve(matrix, tangent.gradient, low[open_], high[open_], deadline)
     left = tangent.gradient - tangent.rows.T @ values
     scale = max(1.0, float(np.max(np.abs(tangent.gradient), initial=0.0)))
     return Multipliers(float(np.max(np.abs(left), initial=0.0)) / scale, values)
 
 
-def _solve(matrix: csc_array, target: Array, low: Array, high: Array) -> Array:
-    """Minimise the largest component of target - matrix @ values, a linear program, with HiGHS."""
+def _solve(matrix: csc_array, target: Array, low: Array, high: Array, deadline: float) -> Array:
+    """Minimise the largest component of target - matrix @ values, a linear program, with HiGHS. Raises Unsettled."""
+    left = deadline - time.perf_counter()
+    if left <= 0.0:
+        raise Unsettled
     n, k = matrix.shape
     edge = csc_array(np.ones((n, 1)))
     rows = csc_array(vstack([hstack([matrix, edge]), hstack([-matrix, edge])], format="csc"))
     bounds = Bounds(np.append(low, 0.0), np.append(high, np.inf))
     above = LinearConstraint(rows, np.concatenate([target, -target]), np.inf)
-    found = milp(np.append(np.zeros(k), 1.0), bounds=bounds, constraints=above)
-    return np.zeros(k) if found.x is None else np.clip(found.x[:k], low, high)
+    found = milp(np.append(np.zeros(k), 1.0), bounds=bounds, constraints=above, options={"time_limit": left})
+    if found.x is None or found.status != OPTIMAL:
+        raise Unsettled
+    return np.asarray(np.clip(found.x[:k], low, high))

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchbench.certificate.descent import Answer, b_stationary
 from benchbench.certificate.linearised import Linearised
-from benchbench.certificate.multipliers import Kind, classify, weak
+from benchbench.certificate.multipliers import Kind, Unsettled, classify, weak
 from benchbench.certificate.residuals import Residuals, residuals
 from benchbench.mpcc import Mpcc
 from benchbench.plan import Array
@@ -65,22 +65,27 @@ def stationarity(mpcc: Mpcc, x: Array, seconds: float = 10.0) -> Stationarity:
     A bound or constraint that repeats the sign of an active pair counts once. What is zero is decided by the
     smallest of `ACTIVE`, from the point's own error on, that leaves a KKT residual within `TOLERANCE`; all is
     evaluated at the nearest point where that is exactly zero. Whole-number unknowns are taken as real.
+
+    After `seconds` of wall time what is not known yet is undecided.
     """
-    began = time.perf_counter()
+    deadline = time.perf_counter() + seconds
     found = residuals(mpcc, x)
     if not _error(found) <= FEASIBLE:
         return Stationarity(np.nan, "undecided", "undecided", np.nan)
     local = Linearised(mpcc)
-    for tolerance in [a for a in ACTIVE if a >= _error(found)] or ACTIVE[-1:]:
-        active = local.active(x, tolerance)
-        tangent = local.tangent(local.snapped(x, active), active)
-        residual = weak(tangent).residual
-        if residual <= TOLERANCE:
-            break
-    kind = classify(tangent, TOLERANCE, began + seconds)
+    try:
+        for tolerance in [a for a in ACTIVE if a >= _error(found)] or ACTIVE[-1:]:
+            active = local.active(x, tolerance)
+            tangent = local.tangent(local.snapped(x, active), active)
+            residual = weak(tangent, deadline).residual
+            if residual <= TOLERANCE:
+                break
+    except Unsettled:
+        return Stationarity(np.nan, "undecided", "undecided", tolerance)
+    kind = classify(tangent, TOLERANCE, deadline)
     if kind == "S":
         return Stationarity(residual, kind, "yes", tolerance)  # S implies B
-    return Stationarity(residual, kind, b_stationary(tangent, TOLERANCE, seconds), tolerance)
+    return Stationarity(residual, kind, b_stationary(tangent, TOLERANCE, deadline), tolerance)
 
 
 def _error(found: Residuals) -> float:
