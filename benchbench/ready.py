@@ -36,8 +36,13 @@ def whole(
     unknowns    lower and upper bounds of w, each (n,); rows: of g, each (m,)
 
     Each function becomes one block with one instance: its derivatives are CasADi's sparse ones of the whole.
-    Raises ValueError where sizes do not fit, RuntimeError where CasADi finds other faults.
+    Raises ValueError where sizes do not fit or a number is none, RuntimeError where CasADi finds other faults.
     """
+    _check_numbers(parameters, start, unknowns, rows)
+    for key, function in functions.items():
+        sizes = tuple(function.numel_in(i) for i in range(function.n_in()))
+        if sizes != (start.size, parameters.size):
+            raise ValueError(f"{key} takes {sizes} numbers, but w has {start.size} and p {parameters.size}")
     w, p, sigma = ca.SX.sym("w", start.size), ca.SX.sym("p", parameters.size), ca.SX.sym("sigma")
 
     def block(name: str, keys: tuple[str, ...], lower: Array, upper: Array) -> Block:
@@ -56,3 +61,19 @@ def whole(
     pairs = (Pair(block("GH", ("G", "H"), none, none), "complementarity"),) if none.size else ()
     one = np.zeros(1)
     return Mpcc((Variable("w", lower, upper, guess),), constraints, (block("f", ("f",), one, one),), pairs)
+
+
+def _check_numbers(
+    parameters: Array, start: Array, unknowns: tuple[Array, Array], rows: tuple[Array, Array]
+) -> None:
+    """Raise ValueError for NaN, for bounds that do not match or are crossed; bounds may be infinite."""
+    for name, values in (("p", parameters), ("the start of w", start)):
+        if not np.all(np.isfinite(values)):
+            raise ValueError(f"{name} has {values[~np.isfinite(values)][0]} in place {np.argmin(np.isfinite(values))}")
+    for name, (lower, upper), size in (("w", unknowns, start.size), ("g", rows, rows[0].size)):
+        if lower.size != size or upper.size != size:
+            raise ValueError(f"{name} has {size} numbers, but {lower.size} lower and {upper.size} upper bounds")
+        wrong = ~(lower <= upper)
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            raise ValueError(f"bounds of {name} in place {k} are {lower[k]:g} and {upper[k]:g}")

@@ -64,6 +64,8 @@ def rows(folder: Path) -> pd.DataFrame:
     for path in OUTPUT.rglob(RECORD):
         record: dict[str, Any] = json.loads(path.read_text())
         name, solution = record["scenario"], path.with_name(SOLUTION)
+        if not file_of(name, folder).is_file():
+            continue  # of another folder
         true = solution.is_file() and solved(
             file_of(name, folder), np.ravel(json.loads(solution.read_text())["w"]), best.get(name)
         )

@@ -148,10 +148,18 @@ def test_a_penalty_is_not_part_of_the_objective(told: dict[str, Any], tmp_path: 
     assert done.record["objective"] == pytest.approx((x[0] - 3) ** 2 + (x[1] - 1) ** 2 + x[2], rel=1e-12)
 
 
+NULL = None
+"""What JSON writes for a number that is none; a value that is None alone takes its key away."""
 SPOILED = [
     ("g_fun", None, "has no 'g_fun'"),
     ("lbg", [0.0, 0.0], "is no MPCC"),
-    ("ubw", [9, 9, 0.0], "is no MPCC: variable w: a lower bound exceeds"),
+    ("ubw", [9, 9, 0.0], "is no MPCC: bounds of w in place 2 are 0.5 and 0"),
+    ("lbg", 10, "is no MPCC: bounds of g in place 0 are 10 and 9"),
+    ("ubg", [NULL], "is no MPCC: bounds of g in place 0 are -inf and nan"),
+    ("w0", [0.4, NULL, -7], "is no MPCC: the start of w has nan in place 1"),
+    ("p0", float("nan"), "is no MPCC: p has nan in place 0"),
+    ("p0", [3, 3], r"is no MPCC: f takes \(3, 1\) numbers, but w has 3 and p 2"),
+    ("w0", 1, "is no MPCC: w has 1 numbers, but 3 lower and 3 upper bounds"),
     ("G_fun", "nonsense", "is no MPCC"),
     ("p0", ["three"], "is no MPCC"),
 ]
@@ -167,6 +175,23 @@ def test_a_file_that_is_no_problem(
     with pytest.raises(BadInput, match=text) as caught:
         MpccFile(stored(told, tmp_path / "bad.json")).mpcc()
     assert caught.value.field == "scenario.path"
+
+
+@pytest.mark.parametrize("data", [gzip.compress(b"{}")[:10] + b"\xff" * 40, b"[" * 10**5])
+def test_a_file_that_is_damaged(data: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "bad.json"
+    path.write_bytes(data)
+    with pytest.raises(BadInput, match="is no JSON") as caught:
+        MpccFile(path).mpcc()
+    assert caught.value.field == "scenario.path"
+
+
+def test_without_other_limits_the_signs_of_pairs_are_asked_for(told: dict[str, Any], tmp_path: Path) -> None:
+    told |= {"lbw": [-9, -9, 0.5], "w0": [-1, -1, 0.5]}
+    none = ("certificate.product=null", "certificate.complementarity=null")
+    done = solved(stored(told, tmp_path / "small.json"), *none)
+    signs = [c for c in done.certificate.checks if c.name == "complementarity_sign"]
+    assert len(signs) == 1 and signs[0].limit == done.case.limits.residual
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import json
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, final
@@ -60,7 +61,7 @@ class MpccFile(ReadyMade):
             told = json.loads(gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data)
         except OSError as error:
             raise self._wrong(f"cannot be read: {error.strerror or error}") from None
-        except (ValueError, EOFError) as error:
+        except (ValueError, EOFError, RecursionError, zlib.error) as error:
             raise self._wrong(f"is no JSON: {error}") from None
         if not isinstance(told, dict):
             raise self._wrong("is no JSON object")
