@@ -29,7 +29,7 @@ def point_mass_plan(case: Case, ledger: Ledger) -> Plan:
     spans, longest = np.diff([0.0, *guess, scenario.travel_time_guess]), scenario.travel_time[1]
     grid = Grid(tuple(Phase(f"leg_{i}", INTERVALS, SHORTEST, longest, float(s)) for i, s in enumerate(spans)))
     corners = [over(case, stop, time) for stop, time in zip(made, guess, strict=True)]
-    hang = model.plant().tool(start, np.zeros_like(start))[0] - start[:3]
+    hang = model.plant().tool(start, np.zeros(len(model.velocity.names)))[0] - start[:3]
     meetings = tuple(_meeting(grid, stop, i + 1, hang) for i, stop in enumerate(made))
     met = np.zeros((grid.intervals + 1, len(scenario.itinerary.stops)))
     for i, stop in enumerate(made):
@@ -37,8 +37,8 @@ def point_mass_plan(case: Case, ledger: Ledger) -> Plan:
     plan = fly(case, ledger, grid, np.stack([start, *corners, end])[:, :3], Mpcc((), meetings), met)
     share = (plan.time / plan.travel_time)[:, None]
     line = (1 - share) * start + share * end
-    own = [i for i, name in enumerate(plan.coordinate_names) if name not in ("x", "y", "z", "roll", "pitch")]
     q = plan.configuration.copy()
+    own = np.ptp(q, axis=0) < 1e-9
     q[:, own] = line[:, own]
     q[[0, -1]] = start, end
     return replace(plan, configuration=q)

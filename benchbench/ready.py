@@ -69,10 +69,14 @@ def _check_numbers(
     """Raise ValueError for NaN, for bounds that do not match or are crossed; bounds may be infinite."""
     for name, values in (("p", parameters), ("the start of w", start)):
         if not np.all(np.isfinite(values)):
-            raise ValueError(f"{name} has {values[~np.isfinite(values)][0]} in place {np.argmin(np.isfinite(values))}")
+            raise ValueError(
+                f"{name} has {values[~np.isfinite(values)][0]} in place {np.argmin(np.isfinite(values))}"
+            )
     for name, (lower, upper), size in (("w", unknowns, start.size), ("g", rows, rows[0].size)):
         if lower.size != size or upper.size != size:
-            raise ValueError(f"{name} has {size} numbers, but {lower.size} lower and {upper.size} upper bounds")
+            raise ValueError(
+                f"{name} has {size} numbers, but {lower.size} lower and {upper.size} upper bounds"
+            )
         wrong = ~(lower <= upper)
         if wrong.any():
             k = int(np.argmax(wrong))

@@ -25,7 +25,7 @@ class MinimumJerk(Guess):
     """Polynomials of fifth degree (Flash & Hogan 1985, doi:10.1523/JNEUROSCI.05-07-01688.1) over the target.
 
     Corners are those of the straight line, flown as fast as the speed limits allow; the vehicle meets the target with
-    its velocity.
+    its velocity. Roll and pitch lean into the acceleration where they are coordinates; quaternions are blended.
     """
 
     def plan(self, case: Case, ledger: Ledger) -> Plan:
@@ -37,17 +37,20 @@ class MinimumJerk(Guess):
             raise IncompatibleCase(
                 "guess", "'minimum_jerk' flies handovers", "simple, line, point_mass, phases"
             )
-        scenario, rest = case.scenario, np.zeros(len(case.model.velocity.names))
+        scenario, rest = case.scenario, np.zeros(len(case.model.configuration.names))
+        most = np.full(len(rest), np.inf)
+        own, rated = _rated(case)
+        most[own] = case.model.velocity.upper[rated]
         start, end = scenario.start_point(case.model), scenario.end_point(case.model)
         corners, speeds, times = [start], [rest], [0.0]
         for stop in scenario.itinerary.listed:
             when = times[-1] + scenario.contact_guess * scenario.travel_time_guess
             for _ in range(20):
-                when = times[-1] + _duration(over(case, stop, when) - corners[-1], case.model.velocity.upper)
+                when = times[-1] + _duration(over(case, stop, when) - corners[-1], most)
             corners.append(over(case, stop, when))
             speeds.append(np.concatenate([sample(stop.target, np.array([when]))[1][0], rest[3:]]))
             times.append(when)
-        times.append(times[-1] + _duration(end - corners[-1], case.model.velocity.upper))
+        times.append(times[-1] + _duration(end - corners[-1], most))
         return _through(case, np.array(times), [*corners, end], [*speeds, rest])
 
 
@@ -64,7 +67,17 @@ def _through(case: Case, times: Array, corners: list[Array], speeds: list[Array]
     for stop, when in zip(itinerary.listed, times[1:-1], strict=True):
         first = int(np.clip(np.searchsorted(time, when), 1, n - stop.kappa_init))
         progress[first : first + stop.kappa_init, itinerary.names.index(stop.name)] = 1.0
-    return replace(hovering(case, time, _tilted(q, a, case), progress), velocity=v)
+    own, rated = _rated(case)
+    rates = np.zeros((n + 1, len(case.model.velocity.names)))
+    rates[:, rated] = v[:, own]
+    return replace(hovering(case, time, _tilted(q, a, case), progress), velocity=rates)
+
+
+def _rated(case: Case) -> tuple[list[int], list[int]]:
+    """Coordinates whose rates are velocities of the vehicle, and which; those of a quaternion are none."""
+    names, rates = case.model.configuration.names, case.model.velocity.names
+    rated = [i for i, name in enumerate(rates) if i < 3 or name in names]
+    return [i if i < 3 else names.index(rates[i]) for i in rated], rated
 
 
 def _duration(way: Array, most: Array) -> float:

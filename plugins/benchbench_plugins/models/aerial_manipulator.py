@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
+from scipy.spatial.transform import Rotation
 
 from benchbench.errors import BadInput, invalid
 from benchbench.model import Coordinates, Model, Plant, box
@@ -188,10 +189,11 @@ class AerialManipulator(Model):
         up = (thrust / np.maximum(size, 1e-9)[:, None])[np.minimum(np.arange(n), n - 2)]
         pitch = np.arctan2(up[:, 0], up[:, 2])
         roll = np.arcsin(np.clip(-up[:, 1], -1.0, 1.0))
-        turned = np.stack([np.clip(x, -p.tilt, p.tilt) for x in (roll, pitch)], axis=1)
-        q = np.hstack([position, turned, np.zeros((n, 1)), np.full((n, 1), np.mean(p.arm_angle))])
-        v = np.gradient(q, time, axis=0)
-        v[:, :3] = velocity
+        turned = np.zeros((n, 3))
+        turned[:, :2] = np.clip(np.stack([roll, pitch], axis=1), -p.tilt, p.tilt)
+        attitude = self._attitude.follow(Rotation.from_euler("ZYX", turned[:, ::-1]))
+        q = np.hstack([position, attitude, np.full((n, 1), np.mean(p.arm_angle))])
+        v = np.hstack([velocity, np.gradient(turned, time, axis=0), np.zeros((n, 1))])
         limits, motors = self.velocity, p.motor_force
         force = np.clip(size * (p.quadrotor_mass + p.arm_mass) / 4, *motors)
         u = np.hstack([np.repeat(force[:, None], 4, axis=1), np.zeros((n - 1, 1))])
