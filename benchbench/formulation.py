@@ -12,6 +12,7 @@ from benchbench import tour
 from benchbench.case import Case
 from benchbench.contact import Coupling, progress_index
 from benchbench.dynamics import Grid, Phase, Trajectory
+from benchbench.errors import IncompatibleCase
 from benchbench.mpcc import Block, Mpcc
 from benchbench.plan import Array, Plan
 from benchbench.stop import Itinerary, Stop, spread
@@ -90,9 +91,13 @@ def phases(case: Case, start: Plan) -> Problem:
 
     The stops are those that `start` claims, in its order. Each contact lasts its `contact_seconds`, or
     kappa_init - 1 average steps, so that it means the same as in the paper's form; for kappa_init = 1 it is one
-    node between the phases.
+    node between the phases. Raises IncompatibleCase for a start that claims no stop where one has to be made.
     """
-    made = claimed_stops(case.scenario.itinerary, start)
+    itinerary = case.scenario.itinerary
+    made = claimed_stops(itinerary, start)
+    if not made and not itinerary.may_skip_all:
+        fault = f"the start from '{case.names['guess']}' touches none of {', '.join(itinerary.names)}"
+        raise IncompatibleCase("guess", fault, "one with a contact, such as simple; or strategy=relax")
     grid, contact, averaged = phase_grid(case, start, made)
     base, trajectory = case.dynamics.transcribe(case.scenario, case.model, grid)
     problem = _at_windows(case, base.start_from(trajectory.encode(start)), trajectory, contact)

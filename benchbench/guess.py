@@ -20,7 +20,10 @@ ABOVE = 0.02
 
 
 class Guess(ABC):
-    """Gives a plan to start from; it may be dynamically impossible, but it must claim a contact."""
+    """Gives a plan to start from; it may be dynamically impossible, but makes progress at every stop.
+
+    Where the progress is whole it claims a contact, which phases and windows need.
+    """
 
     @abstractmethod
     def plan(self, case: Case, ledger: Ledger) -> Plan:

@@ -70,6 +70,11 @@ class Itinerary:
         """Whether a flight that leaves this stop out may be right."""
         return self.visit == "one" or (self.visit == "optional" and stop.reward is not None)
 
+    @property
+    def may_skip_all(self) -> bool:
+        """Whether a flight without any stop may be right."""
+        return self.visit == "optional" and all(map(self.may_skip, self.stops))
+
     def sequences(self) -> Iterator[tuple[Stop, ...]]:
         """Every sequence of stops that is allowed, the obvious one first."""
         if self.visit == "one":

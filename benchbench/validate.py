@@ -31,7 +31,7 @@ def validate(case: Task) -> None:
 
 
 def _flight(case: Case) -> None:
-    _numbers(case)
+    numbers(case)
     _vehicle(case)
     if isinstance(case.scenario, Race):
         _racer(case)
@@ -43,7 +43,8 @@ def _flight(case: Case) -> None:
         _reachable(case)
 
 
-def _numbers(case: Case) -> None:
+def numbers(case: Case) -> None:
+    """Raise BadInput for counts and durations that do not fit into each other."""
     scenario = case.scenario
     stops = scenario.itinerary.listed
     most = scenario.intervals - len(stops) - 1  # one interval to come, one from stop to stop, one to leave

@@ -12,7 +12,7 @@ from benchbench import config, pipeline
 from benchbench.case import Case, Ledger
 from benchbench.certificate.window_bound import window_bounds
 from benchbench.errors import BadInput, IncompatibleCase
-from benchbench.formulation import fixed_window, phase_grid
+from benchbench.formulation import fixed_window, phase_grid, phases
 from benchbench.guess import first_plan, straight_line
 from benchbench.multipliers import carried
 from benchbench.plan import Array, Plan
@@ -204,6 +204,23 @@ def test_refine_stops_at_the_finest_grid_without_a_certificate() -> None:
     assert done.record["intervals"] == 16
     assert [line.split(", ")[1] for line in done.record["refinement"]] == ["not certified", "not certified"]
     assert done.record["task_hash"] is None, "on another grid than the scenario's"
+
+
+def test_refine_refuses_contacts_that_do_not_fit_into_its_coarsest_grid() -> None:
+    case = config.compose("+scenario=static", "strategy=refine", "scenario.kappa_init=24")
+    with pytest.raises(BadInput, match="24 nodes in contact do not fit into 25 intervals"):
+        solve(case)
+
+
+def test_phases_refuses_a_start_without_the_contact(tmp_path: Path) -> None:
+    """One that claims none, and the plan of a scenario with other stops; a detour may be left out."""
+    other = config.compose("+scenario=two_free", "scenario.intervals=20")
+    write_mcap(tmp_path / "plan.mcap", straight_line(other), None, other.scenario, other.model, {})
+    for guess in ("guess=neutral", "guess=previous guess.path=" + str(tmp_path / "plan.mcap")):
+        case = case_of("strategy=phases", *guess.split())
+        with pytest.raises(IncompatibleCase, match="touches none of target"):
+            solve(case)
+    phases(config.compose("+scenario=detour"), replace(straight_line(other), progress=np.zeros((21, 2))))
 
 
 def test_multistart_is_reproducible_and_counts() -> None:

@@ -13,6 +13,7 @@ from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.guess import Given
 from benchbench.race.scenario import Race
 from benchbench.strategy import Result, Strategy, judge, planned
+from benchbench.validate import numbers
 
 
 @final
@@ -37,9 +38,14 @@ class Refine(Strategy):
             raise BadInput("strategy.finest", problem, f"at least {self.coarsest}")
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
-        """Solve, judge, refine. Raises IncompatibleCase for a race, whose grid counts intervals per gate."""
+        """Solve, judge, refine.
+
+        Raises IncompatibleCase for a race, whose grid counts intervals per gate, and BadInput for contacts that do not
+        fit into the coarsest grid.
+        """
         if isinstance(case.scenario, Race):
             raise IncompatibleCase("strategy", "'refine' is for handovers", "phases, relax")
+        numbers(replace(case, scenario=case.scenario.model_copy(update={"intervals": self.coarsest})))
         told: list[str] = []
         found: list[tuple[Result, bool]] = []
         intervals = self.coarsest
