@@ -119,14 +119,14 @@ class _Solves:
                 self._point = carried(relaxed, near.relaxed, near.outcome.point)
 
     def go_back(self, solved: Solved) -> None:
-        """Start the next solve from an earlier one."""
-        self._point = Point(solved.outcome.point.x)
+        """Start the next solve from an earlier one; what is held stays where it is held now."""
+        self._point = self._within(solved.outcome.point.x)
 
     def at(self, sigma: float) -> Solved:
         """Solve for one sigma, whatever comes of it."""
         if self._smoothed.mpcc is not self._relaxed:
             self._relaxed, self._granted = self._smoothed.mpcc, np.inf
-            self._point = Point(np.clip(self._point.x, self._relaxed.lower, self._relaxed.upper))
+            self._point = self._within(self._point.x)
         if self._ledger.seconds_left < IN_TIME * self._granted:
             with self._ledger.building():
                 self._solve = _prepare(self._relaxed, self._case, self._ledger, self._watch, self._warm)
@@ -139,6 +139,9 @@ class _Solves:
         if outcome.claim == "solved":
             self._smoothed = self._smoothed.after(self._point.x, sigma)
         return Solved(outcome, *_original(self._mpcc, self._relaxed, outcome.point.x), sigma, self._relaxed)
+
+    def _within(self, x: Array) -> Point:
+        return Point(np.clip(x, self._relaxed.lower, self._relaxed.upper))
 
 
 def _finite(outcome: Outcome, start: Point) -> Outcome:
