@@ -5,15 +5,18 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import lsq_linear
+from scipy.optimize import OptimizeResult, lsq_linear, milp
 from small_mpccs import by_hand, problem, pympcc_problems
 
 from benchbench import config, pipeline
 from benchbench.case import Ledger
+from benchbench.certificate import descent, multipliers
+from benchbench.certificate import stationarity as stationarity_module
 from benchbench.certificate.descent import b_stationary
 from benchbench.certificate.linearised import Linearised, Tangent
 from benchbench.certificate.multipliers import classify, weak
@@ -170,6 +173,60 @@ def test_its_seconds_hold_for_a_flight() -> None:
     result = planned(case.strategy, case, Ledger(60.0))
     found = stationarity(result.mpcc, result.solved.x, 0.01)
     assert found.kind == found.b_stationary == "undecided"
+
+
+@pytest.fixture
+def limits(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Time limits that programs are given, s, by a clock that says one second more after each of them."""
+    given: list[float] = []
+
+    def slow(*arguments: Any, **options: Any) -> OptimizeResult:
+        given.append(options["options"]["time_limit"])
+        return milp(*arguments, **options)
+
+    for module in (stationarity_module, multipliers, descent):
+        monkeypatch.setattr(module, "time", SimpleNamespace(perf_counter=lambda: float(len(given))))
+    for module in (multipliers, descent):
+        monkeypatch.setattr(module, "milp", slow)
+    return given
+
+
+def test_all_programs_share_one_deadline(limits: list[float]) -> None:
+    found = stationarity(corner(linear(1, -1)), np.zeros(2), 20.0)
+    assert (found.kind, found.b_stationary) == ("W", "no")
+    assert len(limits) > 5 and limits == [20.0 - k for k in range(len(limits))]
+
+
+@pytest.mark.parametrize("seconds", [0.5, 1.5, 2.5, 3.5])
+def test_nothing_is_begun_past_the_deadline(seconds: float, limits: list[float]) -> None:
+    found = stationarity(corner(linear(1, -1)), np.zeros(2), seconds)
+    assert (found.kind, found.b_stationary) == ("undecided", "undecided")
+    assert limits == [seconds - k for k in range(int(seconds) + 1)]
+
+
+def test_no_rank_is_computed_past_the_deadline(limits: list[float], monkeypatch: pytest.MonkeyPatch) -> None:
+    ranks: list[Tangent] = []
+    monkeypatch.setattr(Tangent, "independent", property(lambda tangent: not ranks.append(tangent)))
+    local = Linearised(corner(linear(-1, 0)))
+    curved = dataclasses.replace(local.tangent(np.zeros(2), local.active(np.zeros(2), 1e-8)), affine=False)
+    assert b_stationary(curved, 1e-6, 1.5) == "undecided" and not ranks
+    assert b_stationary(curved, 1e-6, 20.0) == "no" and ranks
+
+
+@pytest.mark.parametrize("good", range(3))
+def test_a_failed_program_decides_nothing(good: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """All but the first `good` fail, with time left; grad f alone would say "none"."""
+    calls: list[int] = []
+
+    def failing(*arguments: Any, **options: Any) -> OptimizeResult:
+        calls.append(1)
+        return milp(*arguments, **options) if len(calls) <= good else OptimizeResult(x=None, status=4)
+
+    for module in (multipliers, descent):
+        monkeypatch.setattr(module, "milp", failing)
+    found = at(corner(linear(1, 1)), 0, 0)
+    assert (found.kind, found.b_stationary) == ("undecided", "undecided")
+    assert np.isnan(found.kkt_residual) == (good == 0)
 
 
 def soon() -> float:
