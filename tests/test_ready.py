@@ -148,20 +148,40 @@ def test_a_penalty_is_not_part_of_the_objective(told: dict[str, Any], tmp_path: 
     assert done.record["objective"] == pytest.approx((x[0] - 3) ** 2 + (x[1] - 1) ** 2 + x[2], rel=1e-12)
 
 
+W, P = ca.SX.sym("w", 3), ca.SX.sym("p")
+
+
+def given(*values: ca.SX) -> str:
+    return ca.Function("given", [W, P], values).serialize()
+
+
 NULL = None
 """What JSON writes for a number that is none; a value that is None alone takes its key away."""
 SPOILED = [
     ("g_fun", None, "has no 'g_fun'"),
-    ("lbg", [0.0, 0.0], "is no MPCC"),
-    ("ubw", [9, 9, 0.0], "is no MPCC: bounds of w in place 2 are 0.5 and 0"),
-    ("lbg", 10, "is no MPCC: bounds of g in place 0 are 10 and 9"),
-    ("ubg", [NULL], "is no MPCC: bounds of g in place 0 are -inf and nan"),
-    ("w0", [0.4, NULL, -7], "is no MPCC: the start of w has nan in place 1"),
-    ("p0", float("nan"), "is no MPCC: p has nan in place 0"),
-    ("p0", [3, 3], r"is no MPCC: f takes \(3, 1\) numbers, but w has 3 and p 2"),
-    ("w0", 1, "is no MPCC: w has 1 numbers, but 3 lower and 3 upper bounds"),
+    ("w0", [0.4, NULL, -7], r"w0\[1\] is nan, must be finite"),
+    ("w0", [0.4, 0.2, -np.inf], r"w0\[2\] is -inf, must be finite"),
+    ("w0", [0.4, [0.2, -7]], "w0 must be a list of numbers"),
+    ("w0", [0.4, 0.2], "lbw has 3 numbers, must have as many as w0 has, 2"),
+    ("p0", float("nan"), r"p0\[0\] is nan, must be finite"),
+    ("p0", ["three"], "p0 must be a list of numbers"),
+    ("p0", 10**400, "p0 must be a list of numbers"),
+    ("p0", [3, 3], r"f takes \[3, 1\] numbers, must take \[3, 2\], as many as w0 and p0 have"),
+    ("lbw", -9, "lbw has 1 numbers, must have as many as w0 has, 3"),
+    ("lbw", [-9, NULL, 0.5], r"lbw\[1\] is nan, must be a number or infinite"),
+    ("ubw", [9, 9, 0.0], r"lbw\[2\] is 0.5 and ubw\[2\] 0, must be lbw <= ubw"),
+    ("lbw", [-9, -9, np.inf], r"lbw\[2\] is inf and ubw\[2\] 9, must"),
+    ("lbg", [0.0, 0.0], "lbg has 2 numbers, must have as many as g gives, 1"),
+    ("lbg", [], "lbg has 0 numbers, must have as many as g gives, 1"),
+    ("ubg", [NULL], r"ubg\[0\] is nan, must be a number or infinite"),
+    ("lbg", 10, r"lbg\[0\] is 10 and ubg\[0\] 9, must be lbg <= ubg"),
+    ("ubg", -np.inf, r"ubg\[0\] -inf, must be lbg <= ubg with a finite number between"),
+    ("augmented_objective_fun", given(W[:2]), r"f gives \[2\] numbers, must give \[1\]"),
+    ("g_fun", given(W[0], W[1]), r"g gives \[1, 1\] numbers, must give one list"),
+    ("G_fun", given(W[:0]), r"H gives \[1\] numbers, must give as many as G, \[0\]"),
+    ("H_fun", given(W), r"H gives \[3\] numbers, must give as many as G, \[1\]"),
+    ("H_fun", ca.Function("H", [W], [W[1]]).serialize(), r"H takes \[3\] numbers, must take \[3, 1\]"),
     ("G_fun", "nonsense", "is no MPCC"),
-    ("p0", ["three"], "is no MPCC"),
 ]
 
 
@@ -175,6 +195,14 @@ def test_a_file_that_is_no_problem(
     with pytest.raises(BadInput, match=text) as caught:
         MpccFile(stored(told, tmp_path / "bad.json")).mpcc()
     assert caught.value.field == "scenario.path"
+
+
+def test_bounds_may_be_infinite_and_functions_give_rows(told: dict[str, Any], tmp_path: Path) -> None:
+    told |= {"lbw": [-np.inf] * 3, "ubw": [np.inf] * 3}
+    told |= {"g_fun": given(W.T), "lbg": [0, 0, 0.5], "ubg": [np.inf] * 3}
+    done = solved(stored(told, tmp_path / "small.json"))
+    assert done.certificate.certified
+    np.testing.assert_allclose(done.result.solved.x, [3, 0, 0.5], atol=1e-4)  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("data", [gzip.compress(b"{}")[:10] + b"\xff" * 40, b"[" * 10**5])

@@ -44,15 +44,10 @@ class MpccFile(ReadyMade):
         if missing := [key for key in (*FUNCTIONS.values(), *NUMBERS) if key not in told]:
             raise self._wrong(f"has no '{missing[0]}'")
         try:
-            w0, lbw, ubw, lbg, ubg, p0 = (_numbers(told[key]) for key in NUMBERS)
+            w0, lbw, ubw, lbg, ubg, p0 = (_numbers(key, told[key]) for key in NUMBERS)
             functions = {name: ca.Function.deserialize(told[key]) for name, key in FUNCTIONS.items()}
             return whole(functions, p0, w0, (lbw, ubw), (lbg, ubg))
-        except (
-            ValueError,
-            TypeError,
-            RuntimeError,
-            NotImplementedError,
-        ) as error:  # CasADi's are the last two
+        except (ValueError, TypeError, RuntimeError) as error:  # CasADi's are RuntimeErrors
             raise self._wrong(f"is no MPCC: {str(error).strip().splitlines()[-1]}") from None
 
     def _read(self) -> Mapping[str, Any]:
@@ -73,5 +68,8 @@ class MpccFile(ReadyMade):
         )
 
 
-def _numbers(value: Any) -> Array:
-    return np.atleast_1d(np.asarray(value, float)).ravel()
+def _numbers(key: str, value: Any) -> Array:
+    try:
+        return np.atleast_1d(np.asarray(value, float)).ravel()
+    except (ValueError, TypeError, OverflowError):
+        raise ValueError(f"{key} must be a list of numbers") from None
