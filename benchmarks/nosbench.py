@@ -53,7 +53,7 @@ def file_of(name: str, folder: Path) -> Path:
 
 
 def rows(folder: Path) -> pd.DataFrame:
-    """One row per run, with the judge's word."""
+    """One row per run of a problem of this folder, with the judge's word."""
     manifest = folder / "manifest.json"
     best = (
         {e["name"]: e["best_known_objective"] for e in json.loads(manifest.read_text())}
@@ -64,12 +64,15 @@ def rows(folder: Path) -> pd.DataFrame:
     for path in OUTPUT.rglob(RECORD):
         record: dict[str, Any] = json.loads(path.read_text())
         name, solution = record["scenario"], path.with_name(SOLUTION)
-        if not file_of(name, folder).is_file():
+        problem = file_of(name, folder)
+        if not problem.is_file():
             continue  # of another folder
         true = solution.is_file() and solved(
-            file_of(name, folder), np.ravel(json.loads(solution.read_text())["w"]), best.get(name)
+            problem, np.ravel(json.loads(solution.read_text())["w"]), best.get(name)
         )
         found.append({**record, "verified": true})
+    if not found:
+        sys.exit(f"{OUTPUT} has no run of a problem of {folder}")
     return (
         pd.DataFrame(found)
         .sort_values("started_at")

@@ -32,6 +32,7 @@ from benchbench_plugins.collections.pympcc_set import PympccSet
 
 sys.path.append(str(Path(__file__).resolve().parents[1] / "benchmarks"))
 
+from nosbench import rows
 from nosbench import solved as judged
 
 NOSBENCH = Path(os.environ.get("NOSBENCH", Path(__file__).parents[2] / "shared" / "nosbench"))
@@ -165,7 +166,7 @@ SPOILED = [
     ("w0", [0.4, 0.2], "lbw has 3 numbers, must have as many as w0 has, 2"),
     ("p0", float("nan"), r"p0\[0\] is nan, must be finite"),
     ("p0", ["three"], "p0 must be a list of numbers"),
-    ("p0", 10**400, "p0 must be a list of numbers"),
+    ("p0", [10**400], "p0 must be a list of numbers"),
     ("p0", [3, 3], r"f takes \[3, 1\] numbers, must take \[3, 2\], as many as w0 and p0 have"),
     ("lbw", -9, "lbw has 1 numbers, must have as many as w0 has, 3"),
     ("lbw", [-9, NULL, 0.5], r"lbw\[1\] is nan, must be a number or infinite"),
@@ -205,7 +206,9 @@ def test_bounds_may_be_infinite_and_functions_give_rows(told: dict[str, Any], tm
     np.testing.assert_allclose(done.result.solved.x, [3, 0, 0.5], atol=1e-4)  # type: ignore[union-attr]
 
 
-@pytest.mark.parametrize("data", [gzip.compress(b"{}")[:10] + b"\xff" * 40, b"[" * 10**5])
+@pytest.mark.parametrize(
+    "data", [gzip.compress(b"{}")[:10] + b"\xff" * 40, b"[" * 10**5], ids=["gzip", "nested"]
+)
 def test_a_file_that_is_damaged(data: bytes, tmp_path: Path) -> None:
     path = tmp_path / "bad.json"
     path.write_bytes(data)
@@ -301,6 +304,31 @@ def test_the_judge_of_nosbench_reads_the_file_alone(told: dict[str, Any], tmp_pa
         assert not judged(path, np.array([3.0, 0.0, 0.4]), best), "below its bound"
         assert not judged(path, np.array([3.0, 0.0, 5.0]), best), "more than twice the best known cost"
         assert not judged(path, np.array([3.0, 0.0, np.nan]), None)
+
+
+def test_the_table_of_a_folder_leaves_out_runs_of_others(
+    told: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of four runs in one results folder two are of problems of this folder, one of them without a solution."""
+    monkeypatch.setattr("nosbench.OUTPUT", tmp_path / "results")
+    folder, empty = tmp_path / "problems", tmp_path / "empty"
+    folder.mkdir()
+    empty.mkdir()
+    for name, known in {"here": True, "failed": True, "elsewhere": False, "static": False}.items():
+        place = tmp_path / "results" / name
+        place.mkdir(parents=True)
+        record = {"scenario": name, "relaxation": "scholtes", "strategy": "relax", "started_at": "1"}
+        (place / "record.json").write_text(json.dumps(record))
+        if known:
+            stored(told, folder / f"{name}.json.gz")
+        if name in ("here", "elsewhere"):
+            (place / "solution.json").write_text(json.dumps({"w": [3.0, 0.0, 0.5]}))
+    assert dict(zip(*rows(folder)[["scenario", "verified"]].to_numpy().T, strict=True)) == {
+        "here": True,
+        "failed": False,
+    }
+    with pytest.raises(SystemExit, match="no run of a problem of"):
+        rows(empty)
 
 
 @pytest.mark.parametrize("retries", [0, 2])
