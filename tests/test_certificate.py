@@ -16,8 +16,8 @@ from pydantic import ValidationError
 from benchbench.certificate.audit import longest_run
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.certificate import Certificate
-from benchbench.certificate.certify import certify
-from benchbench.certificate.limits import Limits
+from benchbench.certificate.certify import certify, certify_problem
+from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import defects, replay
 from benchbench.certificate.residuals import PairResidual, Residuals
 from benchbench.plan import Array, Plan
@@ -272,6 +272,17 @@ def test_a_relaxed_solution_is_not_a_solution(good: Plan) -> None:
     assert "worst in 'speed'" in only_reason(certify(good, task(good), MODEL, LIMITS, infeasible))
     unknown = replace(SOLVED, bounds=float("nan"))
     assert "is not a number" in only_reason(certify(good, task(good), MODEL, LIMITS, unknown))
+
+
+@pytest.mark.parametrize("complementarity", [None, 1e-2])
+@pytest.mark.parametrize("product", [None, 1e-2])
+def test_signs_of_pairs_are_always_asked_for(complementarity: float | None, product: float | None) -> None:
+    """G = -1e-3: within the other limits where they are asked for, but not within that of residuals."""
+    limits = ProblemLimits(residual=1e-6, complementarity=complementarity, product=product)
+    negative = replace(SOLVED, pairs={"pair": PairResidual(1e-3, 1e-3, 0.0)})
+    expected = "violation of the signs of the complementarity pairs reaches 0.001, allowed 1e-06"
+    assert only_reason(certify_problem(negative, limits)) == expected
+    assert certify_problem(SOLVED, limits).certified
 
 
 @pytest.mark.parametrize("field", ["time", "configuration", "velocity", "inputs", "progress"])

@@ -31,9 +31,8 @@ def original_problem(found: Residuals, limits: ProblemLimits) -> Checks:
     if limits.complementarity is not None:
         what = "violation of the complementarity pairs"
         yield at_most("complementarity", what, found.max_complementarity, limits.complementarity, "1")
-    if limits.complementarity is None or limits.product is not None:
-        what = "violation of the signs of the complementarity pairs"
-        yield at_most("complementarity_sign", what, found.max_negativity, limits.residual, "1")
+    what = "violation of the signs of the complementarity pairs"
+    yield at_most("complementarity_sign", what, found.max_negativity, limits.residual, "1")
     if limits.product is not None:
         what = "product of a complementarity pair"
         yield at_most("complementarity_product", what, found.max_product, limits.product, "1")
