@@ -71,6 +71,8 @@ class Solver(ABC):
     """A nonlinear programming backend; with `native_pairs` it also takes complementarity pairs unrelaxed."""
 
     native_pairs: ClassVar[bool] = False
+    repeatable: ClassVar[bool] = True
+    """Whether the same start gives the same answer bit by bit; otherwise to the accuracy asked for."""
 
     @abstractmethod
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:

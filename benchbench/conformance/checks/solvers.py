@@ -41,7 +41,7 @@ from benchbench.plan import Array
 from benchbench.relaxation import Relaxation, Relaxed
 from benchbench.solver import Accuracy, Outcome, Point, Setup, Solver
 
-SETUP = Setup(seconds=30.0, iterations=3000, accuracy="high", compile="never")
+SETUP = Setup(seconds=300.0, iterations=3000, accuracy="high", compile="never")
 X_ERROR: dict[Accuracy, float] = {"low": 2e-2, "medium": 2e-3, "high": 1e-5}
 """Allowed relative error of x, much above what a KKT residual of 1e-4, 1e-6, 1e-8 gives."""
 
@@ -113,7 +113,8 @@ def check_sigma(solver: Solver) -> None:
     answers = [solve(sigma, start).point.x for sigma in (1.0, -1.0, 0.7, 1.0)]
     for x, sigma in zip(answers, (1.0, -1.0, 0.7), strict=False):
         close(x, sigma * problem.solution, 1e-5, f"x of a problem that ends at sigma = {sigma}")
-    require(np.array_equal(answers[0], answers[3]), "the same sigma from the same start gave another x later")
+    same = np.array_equal if solver.repeatable else np.allclose
+    require(same(answers[0], answers[3]), "the same sigma from the same start gave another x later")
 
 
 def check_warm_start(solver: Solver) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import field
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 from pydantic.dataclasses import dataclass
 
@@ -33,9 +33,11 @@ CASADI = ("max_iter", "max_wall_time", "print_level")
 class Sleqp(Solver):
     """Active-set method with LP and equality-constrained QP steps (Byrd et al. 2004, doi:10.1007/s10107-003-0485-4).
 
-    `options` are SLEQP's own and win. It works with Hessian products.
+    `options` are SLEQP's own and win. It works with Hessian products. The same start gave another last digit, or six
+    iterations in place of five, in 3 of 150 pairs of solves of a problem with 38 unknowns.
     """
 
+    repeatable: ClassVar[bool] = False
     options: dict[str, Any] = field(default_factory=dict)
 
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
