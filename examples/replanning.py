@@ -10,8 +10,7 @@ from statistics import median
 
 import numpy as np
 
-from benchbench import config
-from benchbench.plan import Plan
+from benchbench import Plan, config
 from benchbench.replan import Replanner
 from benchbench_plugins.motions import Linear
 

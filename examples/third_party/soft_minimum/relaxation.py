@@ -7,8 +7,7 @@ from typing import final
 import casadi as ca
 from pydantic.dataclasses import dataclass
 
-from benchbench.mpcc import PairKind
-from benchbench.relaxation import Relaxation, Relaxed
+from benchbench import PairKind, Relaxation, Relaxed
 
 
 @final
