@@ -2,24 +2,35 @@
 
 # interfaces, one class per family of plugins
 # values that pass from stage to stage
-from .case import Case, Ledger, ReadyCase, Task
 from .certificate.certificate import Certificate, Check
-from .contact import Condition, Contact, Target
-from .dynamics import Dynamics, Grid, Node, Phase, Trajectory
 
 # what goes wrong, as the program says it
 from .errors import BadInput, BenchBenchError, IncompatibleCase, NoPlan, Unavailable
-from .guess import Guess
-from .model import Coordinates, Model, Plant
-from .motion import Motion
-from .mpcc import Block, Mpcc, Pair, PairKind, Slot, Variable, evaluate, rows
-from .peer import Peer
-from .plan import Array, Plan
-from .ready import ReadyMade, whole
-from .relaxation import Relaxation, Relaxed, Schedule, Shared, Unknown
-from .scenario import Scenario
-from .solver import TOLERANCE, Accuracy, Claim, Outcome, Parametric, Point, Prepared, Progress, Setup, Solver
-from .strategy import Result, Strategy
+from .mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, evaluate, rows
+from .mpcc.ready import ReadyMade, whole
+from .nlp.relaxation import Relaxation, Relaxed, Schedule, Shared, Unknown
+from .nlp.solver import (
+    TOLERANCE,
+    Accuracy,
+    Claim,
+    Outcome,
+    Parametric,
+    Point,
+    Prepared,
+    Progress,
+    Setup,
+    Solver,
+)
+from .ocp.contact import Condition, Contact, Target
+from .ocp.model import Coordinates, Model, Plant
+from .ocp.motion import Motion
+from .ocp.plan import Array, Plan
+from .ocp.scenario import Scenario
+from .planning.case import Case, Ledger, ReadyCase, Task
+from .planning.guess import Guess
+from .planning.peer import Peer
+from .planning.strategy import Result, Strategy
+from .transcription.dynamics import Dynamics, Grid, Node, Phase, Trajectory
 
 __version__: str
 

@@ -11,20 +11,20 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.case import Case, Ledger, ReadyCase, Watch
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify, certify_problem
-from benchbench.certificate.residuals import residuals
 from benchbench.certificate.stationarity import stationarity
-from benchbench.mpcc import evaluate
-from benchbench.race.scenario import Race
-from benchbench.solver import Claim
+from benchbench.mpcc.problem import evaluate
+from benchbench.mpcc.residuals import residuals
+from benchbench.nlp.solver import Claim
+from benchbench.ocp.race import Race
+from benchbench.planning.case import Case, Ledger, ReadyCase, Watch
+from benchbench.planning.strategy import Answer, Outside, Result
+from benchbench.planning.validate import validate
 from benchbench.storage import provenance
 from benchbench.storage.best_known import BestKnown, packaged
 from benchbench.storage.schema import Status, make_record
-from benchbench.strategy import Answer, Outside, Result
-from benchbench.validate import validate
 
 STATUS: dict[Claim, Status] = {
     "solved": Status.UNCERTIFIED,

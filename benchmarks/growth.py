@@ -20,14 +20,14 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from benchbench import config
-from benchbench.assemble import assemble
-from benchbench.case import Case, Ledger
-from benchbench.formulation import phases
-from benchbench.guess import straight_line
-from benchbench.mpcc import Block, Mpcc, gather
-from benchbench.solver import Point, Setup
-from benchbench.strategy import judge, planned
+from benchbench.formulation.handover import phases
+from benchbench.mpcc.problem import Block, Mpcc, gather
+from benchbench.nlp.program import assemble
+from benchbench.nlp.solver import Point, Setup
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import straight_line
+from benchbench.planning.strategy import judge, planned
+from benchbench.run import config
 
 SIZES = (25, 50, 100, 200, 400)
 OPTIONS = {"print_time": False, "calc_lam_p": False, "error_on_fail": False}

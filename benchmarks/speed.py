@@ -25,16 +25,16 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
-from benchbench import config
 from benchbench.regression.reference import Reference
+from benchbench.run import config
 
 WINDOW = """
 import json, sys, time
-from benchbench import config
-from benchbench.case import Ledger
-from benchbench.formulation import fixed_window
-from benchbench.guess import straight_line
-from benchbench.strategy import pose
+from benchbench.run import config
+from benchbench.planning.case import Ledger
+from benchbench.formulation.handover import fixed_window
+from benchbench.planning.guess import straight_line
+from benchbench.planning.strategy import pose
 scenario, node, mode = sys.argv[1:]
 case = config.compose(f"+scenario={scenario}", f"compile={mode}")
 ledger, began = Ledger(60.0), time.perf_counter()
@@ -46,8 +46,8 @@ print(json.dumps({"build": ledger.build_cpu, "solve": ledger.solve_cpu, "iterati
 """
 STRATEGY = """
 import json, sys
-from benchbench import config
-from benchbench.case import Ledger
+from benchbench.run import config
+from benchbench.planning.case import Ledger
 scenario, strategy, mode = sys.argv[1:]
 case = config.compose(f"+scenario={scenario}", f"compile={mode}", f"strategy={strategy}")
 ledger = Ledger(300.0)
@@ -59,8 +59,8 @@ REPLAN = """
 import json, sys, time
 from dataclasses import replace
 import numpy as np
-from benchbench import config
-from benchbench.replan import Replanner
+from benchbench.run import config
+from benchbench.planning.replan import Replanner
 scenario, intervals = sys.argv[1:]
 case = config.compose(f"+scenario={scenario}", f"scenario.intervals={intervals}", "scenario.contact_seconds=0.05")
 replanner, target, cpu, wall, iterations = Replanner(case), case.scenario.target, [], [], []

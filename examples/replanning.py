@@ -10,8 +10,9 @@ from statistics import median
 
 import numpy as np
 
-from benchbench import Plan, config
-from benchbench.replan import Replanner
+from benchbench import Plan
+from benchbench.planning.replan import Replanner
+from benchbench.run import config
 from benchbench_plugins.motions import Linear
 
 PERIOD = 0.05  # s

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.case import Case, Ledger
-from benchbench.strategy import Result, Strategy
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.strategy import Result, Strategy
 from benchbench_plugins.strategies.phases import Phases
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from benchbench.blocks import Derivatives
-from benchbench.blocks import derivatives as derivatives
+from benchbench.mpcc.derivatives import Derivatives
+from benchbench.mpcc.derivatives import derivatives as derivatives
 
 Z = np.array([0.3, -1.2, 0.8])
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from benchbench.mpcc import Mpcc
-from benchbench.solver import Outcome, Point, Prepared, Setup, Solver
+from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
 from benchbench_plugins.solvers.ipopt import Ipopt
 
 

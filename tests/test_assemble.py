@@ -8,15 +8,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from benchbench import blocks, config
-from benchbench.assemble import Program, assemble
-from benchbench.case import Ledger
-from benchbench.formulation import free_contact, phases
-from benchbench.guess import straight_line
-from benchbench.mpcc import Block, Mpcc, Slot, Variable, gather
-from benchbench.plan import Array
-from benchbench.relaxation import relax
-from benchbench.strategy import pose
+from benchbench.formulation.handover import free_contact, phases
+from benchbench.mpcc import derivatives
+from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, gather
+from benchbench.nlp.program import Program, assemble
+from benchbench.nlp.relaxation import relax
+from benchbench.ocp.plan import Array
+from benchbench.planning.case import Ledger
+from benchbench.planning.guess import straight_line
+from benchbench.planning.strategy import pose
+from benchbench.run import config
 
 
 def variable(name: str, rows: int, columns: int, seed: int) -> Variable:
@@ -157,7 +158,7 @@ def test_order_of_parts_does_not_matter() -> None:
 
 def test_compiled_equals_interpreted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BENCHBENCH_CACHE", str(tmp_path))
-    monkeypatch.setattr(blocks, "LARGE", 0)  # these blocks are too small to be compiled otherwise
+    monkeypatch.setattr(derivatives, "LARGE", 0)  # these blocks are too small to be compiled otherwise
     mpcc = several()
     plain, fast = assemble(mpcc, "never"), assemble(mpcc, "auto")
     if not fast.compiled:

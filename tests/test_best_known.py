@@ -10,9 +10,10 @@ import pytest
 import yaml
 from test_program import assert_refused, program, records
 
-from benchbench import config, pipeline
-from benchbench.commands import best
+from benchbench import pipeline
+from benchbench.cli.commands import best
 from benchbench.errors import BadInput
+from benchbench.run import config
 from benchbench.storage.best_known import BestKnown, net_time, packaged
 from benchbench.storage.files import write_bytes, write_record
 from benchbench.storage.schema import Record, make_record

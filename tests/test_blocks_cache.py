@@ -14,12 +14,12 @@ from pathlib import Path
 import pytest
 from curved import check, curved
 
-from benchbench import config
-from benchbench.assemble import assemble
-from benchbench.blocks import cache_root, derivatives
-from benchbench.formulation import free_contact, phases
-from benchbench.guess import straight_line
-from benchbench.relaxation import relax
+from benchbench.formulation.handover import free_contact, phases
+from benchbench.mpcc.derivatives import cache_root, derivatives
+from benchbench.nlp.program import assemble
+from benchbench.nlp.relaxation import relax
+from benchbench.planning.guess import straight_line
+from benchbench.run import config
 
 
 @pytest.fixture(autouse=True)

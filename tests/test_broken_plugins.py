@@ -14,20 +14,20 @@ import numpy as np
 import pytest
 from flights import table_one
 
-from benchbench import config
-from benchbench.case import Case
 from benchbench.conformance.checks import contacts, dynamics, models, orders, relaxations, solvers
 from benchbench.conformance.checks.programs import known
 from benchbench.conformance.checks.smooth_programs import hs071, quadratic
-from benchbench.contact import Condition, Target
-from benchbench.dynamics import Dynamics, Grid, Node, Trajectory
-from benchbench.model import Model, Plant
-from benchbench.mpcc import Mpcc, PairKind
-from benchbench.plan import Array
-from benchbench.relaxation import Relaxation, Relaxed, Unknown
-from benchbench.scenario import Scenario
-from benchbench.solver import Outcome, Point, Prepared, Setup, Solver
-from benchbench.transcription import NodalTrajectory, cost, each_interval, nodal_variables
+from benchbench.mpcc.problem import Mpcc, PairKind
+from benchbench.nlp.relaxation import Relaxation, Relaxed, Unknown
+from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
+from benchbench.ocp.contact import Condition, Target
+from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.plan import Array
+from benchbench.ocp.scenario import Scenario
+from benchbench.planning.case import Case
+from benchbench.run import config
+from benchbench.transcription.dynamics import Dynamics, Grid, Node, Trajectory
+from benchbench.transcription.nodal import NodalTrajectory, cost, each_interval, nodal_variables
 from benchbench_plugins.contacts.position import Position
 from benchbench_plugins.contacts.velocity import Velocity
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator

@@ -19,9 +19,9 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import defects, replay
-from benchbench.certificate.residuals import PairResidual, Residuals
-from benchbench.plan import Array, Plan
-from benchbench.scenario import Scenario
+from benchbench.mpcc.residuals import PairResidual, Residuals
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.scenario import Scenario
 from benchbench_plugins.contacts.floor import Floor
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position

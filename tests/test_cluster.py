@@ -19,8 +19,8 @@ from omegaconf import OmegaConf, open_dict
 from test_launcher import BAD, RUNS, SWEEP, answers, path_with_bad_runs
 from test_program import program, records
 
-from benchbench import config
-from benchbench.execution import Ended
+from benchbench.run import config
+from benchbench.run.execution import Ended
 from benchbench.storage.table import read
 from benchbench.sweep import remote
 from benchbench.sweep.job import Job

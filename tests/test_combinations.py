@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from benchbench import config, pipeline
+from benchbench import pipeline
+from benchbench.run import config
 from benchbench.storage.status import Status
 
 COMBINATIONS = [

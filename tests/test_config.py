@@ -8,10 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from benchbench import config, pipeline
+from benchbench import pipeline
 from benchbench.errors import BadInput, IncompatibleCase
-from benchbench.overrides import carried
-from benchbench.validate import validate
+from benchbench.planning.validate import validate
+from benchbench.run import config
+from benchbench.run.overrides import carried
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "own_config"
 

@@ -14,17 +14,17 @@ import pytest
 
 import benchbench_plugins
 from benchbench.conformance.candidates import GROUPS, candidates
-from benchbench.contact import Contact
-from benchbench.dynamics import Dynamics
-from benchbench.guess import Guess
-from benchbench.model import Model
-from benchbench.motion import Motion
-from benchbench.peer import Peer
-from benchbench.ready import ReadyMade
+from benchbench.mpcc.ready import ReadyMade
+from benchbench.nlp.relaxation import Relaxation
+from benchbench.nlp.solver import Solver
+from benchbench.ocp.contact import Contact
+from benchbench.ocp.model import Model
+from benchbench.ocp.motion import Motion
+from benchbench.planning.guess import Guess
+from benchbench.planning.peer import Peer
+from benchbench.planning.strategy import Strategy
 from benchbench.registry import FAMILIES, installed
-from benchbench.relaxation import Relaxation
-from benchbench.solver import Solver
-from benchbench.strategy import Strategy
+from benchbench.transcription.dynamics import Dynamics
 from benchbench_plugins.solvers.nlpsol import Nlpsol
 
 BASES = {
@@ -76,7 +76,7 @@ def test_every_installed_plugin_is_a_candidate(family: str) -> None:
 THEIRS = '''
 """A third party's relaxations."""
 import numpy as np
-from benchbench.relaxation import Relaxation, Relaxed
+from benchbench.nlp.relaxation import Relaxation, Relaxed
 
 class Theirs(Relaxation):
     """Product of the pair below sigma times a scale."""

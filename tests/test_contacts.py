@@ -10,12 +10,12 @@ import pytest
 from flights import REST, table_one
 
 from benchbench.conformance.checks.initial_value import Transcribed, one_phase, transcribe
-from benchbench.contact import Condition, Contact, Coupling, Target, progress_index
-from benchbench.dynamics import Grid, Node, Phase
-from benchbench.model import Model
-from benchbench.motion import Motion, sample
-from benchbench.mpcc import evaluate
-from benchbench.plan import Array
+from benchbench.mpcc.problem import evaluate
+from benchbench.ocp.contact import Condition, Contact, Coupling, Target, progress_index
+from benchbench.ocp.model import Model
+from benchbench.ocp.motion import Motion, sample
+from benchbench.ocp.plan import Array
+from benchbench.transcription.dynamics import Grid, Node, Phase
 from benchbench_plugins.contacts.floor import Floor
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position

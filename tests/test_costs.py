@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from benchbench import config, pipeline
-from benchbench.case import Ledger, Spent
-from benchbench.solver import Outcome, Point
-from benchbench.spending import collecting, cpu_s, spending
+from benchbench import pipeline
+from benchbench.mpcc.spending import collecting, cpu_s, spending
+from benchbench.nlp.solver import Outcome, Point
+from benchbench.planning.case import Ledger, Spent
+from benchbench.run import config
 from benchbench.storage.schema import Record
 
 QUICK = ("+scenario=static", "scenario.intervals=12", "compile=never")

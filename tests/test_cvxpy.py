@@ -12,18 +12,18 @@ import numpy as np
 import pytest
 from small_mpccs import by_hand
 
-from benchbench.assemble import assemble
-from benchbench.case import Ledger
-from benchbench.certificate.residuals import residuals
-from benchbench.config import compose
 from benchbench.conformance.checks.smooth_programs import hs071
 from benchbench.errors import IncompatibleCase, Unavailable
-from benchbench.formulation import free_contact, phases
-from benchbench.guess import straight_line
-from benchbench.homotopy import homotopy
-from benchbench.mpcc import Block, Mpcc, Slot, Variable, evaluate
-from benchbench.relaxation import relax
-from benchbench.solver import Point, Setup
+from benchbench.formulation.handover import free_contact, phases
+from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, evaluate
+from benchbench.mpcc.residuals import residuals
+from benchbench.nlp.homotopy import homotopy
+from benchbench.nlp.program import assemble
+from benchbench.nlp.relaxation import relax
+from benchbench.nlp.solver import Point, Setup
+from benchbench.planning.case import Ledger
+from benchbench.planning.guess import straight_line
+from benchbench.run.config import compose
 from benchbench_plugins.relaxations.paper import Paper
 from benchbench_plugins.relaxations.scholtes import Scholtes
 from benchbench_plugins.solvers.cvxpy_backend import Cvxpy

@@ -12,10 +12,11 @@ import pytest
 from simulator import GOOD, Flown, fly
 from test_program import Done, assert_refused, program
 
-from benchbench import config, pipeline
+from benchbench import pipeline
 from benchbench.certificate.certificate import Certificate
-from benchbench.commands.certify import run
+from benchbench.cli.commands.certify import run
 from benchbench.errors import BadInput
+from benchbench.run import config
 from benchbench.storage.flight import flight_of
 from benchbench.storage.flight_csv import to_csv
 

@@ -9,13 +9,14 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from benchbench import config, pipeline
+from benchbench import pipeline
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
-from benchbench.certificate.gates import manner, passes
-from benchbench.plan import Array
-from benchbench.race.conditions import conditions
-from benchbench.race.track import Gate, Opening, read
+from benchbench.formulation.gate_conditions import conditions
+from benchbench.ocp.gates import manner, passes
+from benchbench.ocp.plan import Array
+from benchbench.ocp.track import Gate, Opening, read
+from benchbench.run import config
 
 FRAME = {"x": -1.1, "y": -1.6, "z": 3.6, "width": 1.2, "height": 0.8, "yaw": 0.0}
 SLOW = {"x": 9.2, "y": 6.6, "z": 1.0, "speed": [2, 6], "heading": -0.3}

@@ -8,10 +8,11 @@ from typing import Any
 import casadi as ca
 import pytest
 
-from benchbench import config, pipeline
-from benchbench.case import Case
+from benchbench import pipeline
 from benchbench.errors import IncompatibleCase
-from benchbench.model import Model
+from benchbench.ocp.model import Model
+from benchbench.planning.case import Case
+from benchbench.run import config
 
 
 class Bare(Model):

@@ -17,7 +17,7 @@ import pytest
 from omegaconf import OmegaConf
 from test_program import listen, on_terminal, program, records
 
-from benchbench.execution import Ended
+from benchbench.run.execution import Ended
 from benchbench.storage.collect import collect
 from benchbench.storage.schema import make_record
 from benchbench.storage.table import read

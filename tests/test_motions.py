@@ -9,10 +9,10 @@ import pytest
 from pydantic import ValidationError
 from scipy.interpolate import CubicSpline
 
-from benchbench import config
 from benchbench.errors import BadInput
-from benchbench.motion import Motion, sample
-from benchbench.plan import Array
+from benchbench.ocp.motion import Motion, sample
+from benchbench.ocp.plan import Array
+from benchbench.run import config
 from benchbench_plugins.motions import Circle, Combined, Fixed, Linear, Spline
 
 POINTS = np.array([[0.5, 1.0, 0.0, 0.4], [1.1, 1.2, 0.3, 0.45], [2.0, 1.1, 0.5, 0.5], [2.7, 0.8, 0.4, 0.4]])

@@ -10,8 +10,9 @@ from peer_stand_in import cpc_folder, togt_folder
 from test_foreign import task
 from test_program import program
 
-from benchbench import config, pipeline
+from benchbench import pipeline
 from benchbench.errors import Crash, IncompatibleCase, NoPlan, Timeout, Unavailable
+from benchbench.run import config
 
 FOLDERS = {"cpc": cpc_folder, "togt": togt_folder}
 END = {"cpc": "free", "togt": "rest"}

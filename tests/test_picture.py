@@ -20,15 +20,15 @@ from PIL import Image
 
 from benchbench.certificate.replay import Replay, replay
 from benchbench.errors import BadInput
-from benchbench.model import Coordinates, Model, Plant, box
-from benchbench.motion import Motion
-from benchbench.plan import Array, Plan
+from benchbench.ocp.model import Coordinates, Model, Plant, box
+from benchbench.ocp.motion import Motion
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.scenario import Scenario
 from benchbench.report import picture
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.limits_panel import contact_panels, limit_panels
 from benchbench.report.style import RC
 from benchbench.report.views import scene
-from benchbench.scenario import Scenario
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position
 from benchbench_plugins.contacts.velocity import Velocity

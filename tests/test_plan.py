@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from benchbench.plan import Array, Interpolation, Plan
+from benchbench.ocp.plan import Array, Interpolation, Plan
 
 RNG = np.random.default_rng(4)
 TIME = np.array([0.0, 0.1, 0.4, 0.5])

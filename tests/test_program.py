@@ -117,7 +117,7 @@ def test_summary_is_short_and_plain_on_a_pipe(certified: tuple[Path, Done]) -> N
 
 BROKEN = '''
 import numpy as np
-from benchbench.solver import Outcome, Point, Solver
+from benchbench.nlp.solver import Outcome, Point, Solver
 
 class Broken(Solver):
     """Claims success and returns what its name says."""

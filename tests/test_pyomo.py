@@ -13,16 +13,16 @@ import numpy as np
 import pytest
 from small_mpccs import by_hand
 
-from benchbench.case import Ledger
-from benchbench.config import compose
 from benchbench.conformance.checks.smooth_programs import hs071
 from benchbench.errors import IncompatibleCase, Unavailable
-from benchbench.formulation import free_contact, phases
-from benchbench.guess import straight_line
-from benchbench.homotopy import homotopy
-from benchbench.mpcc import Block, Mpcc, evaluate
-from benchbench.relaxation import relax
-from benchbench.solver import Point, Setup
+from benchbench.formulation.handover import free_contact, phases
+from benchbench.mpcc.problem import Block, Mpcc, evaluate
+from benchbench.nlp.homotopy import homotopy
+from benchbench.nlp.relaxation import relax
+from benchbench.nlp.solver import Point, Setup
+from benchbench.planning.case import Ledger
+from benchbench.planning.guess import straight_line
+from benchbench.run.config import compose
 from benchbench_plugins.relaxations.none import NoRelaxation
 from benchbench_plugins.relaxations.scholtes import Scholtes
 from benchbench_plugins.relaxations.steffensen_ulbrich import SteffensenUlbrich

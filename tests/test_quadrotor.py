@@ -13,10 +13,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from benchbench import config, pipeline
-from benchbench.case import Case
-from benchbench.model import Model
-from benchbench.plan import Array
+from benchbench import pipeline
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Array
+from benchbench.planning.case import Case
+from benchbench.run import config
 from benchbench_plugins.models.quadrotor import Quadrotor
 from benchbench_plugins.models.quadrotor_plant import QuadrotorPlant
 

@@ -13,17 +13,18 @@ import pytest
 from PIL import Image
 from scipy.integrate import solve_ivp
 
-from benchbench import config, pipeline
-from benchbench.case import Ledger
+from benchbench import pipeline
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
-from benchbench.certificate.gates import passes
 from benchbench.errors import BadInput
-from benchbench.model import Model
-from benchbench.plan import Array, Plan
-from benchbench.race.point_mass import point_mass_plan
-from benchbench.race.scenario import Race
-from benchbench.race.track import Gate
+from benchbench.ocp.gates import passes
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.race import Race
+from benchbench.ocp.track import Gate
+from benchbench.planning.case import Ledger
+from benchbench.planning.race_start import point_mass_plan
+from benchbench.run import config
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap
 from benchbench_plugins.models.quadrotor import Quadrotor as RaceQuadrotor

@@ -10,20 +10,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchbench import config, pipeline, posing
-from benchbench.case import Case, Ledger
+from benchbench import pipeline
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.race_bound import order_bound, race_bound
-from benchbench.certificate.residuals import residuals
 from benchbench.errors import BadInput
-from benchbench.multipliers import carried
-from benchbench.plan import Array, Plan
-from benchbench.race.gates import passed_at
-from benchbench.race.scenario import Race
-from benchbench.relaxation import smooth
-from benchbench.search import Candidate, Found, best_first
-from benchbench.strategy import from_phases, pose
+from benchbench.formulation.gates import passed_at
+from benchbench.mpcc.residuals import residuals
+from benchbench.nlp.relaxation import smooth
+from benchbench.nlp.warm_start import carried
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.race import Race
+from benchbench.planning import posing
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.search import Candidate, Found, best_first
+from benchbench.planning.strategy import from_phases, pose
+from benchbench.run import config
 
 TWO = ("scenario.gates=2", "scenario.nodes_per_gate=20")
 FINE = "relaxation.schedule=[1e-2,1e-4,1e-9]"

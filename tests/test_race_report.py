@@ -13,18 +13,19 @@ from browser import address, browser, errors
 from test_program import program, records
 from test_table import row
 
-from benchbench import config, pipeline
+from benchbench import pipeline
 from benchbench.analysis.naming import name_runs
 from benchbench.analysis.races import races
-from benchbench.race.scenario import Race
-from benchbench.race.track import Gate, Opening
+from benchbench.cli.report_content import content
+from benchbench.ocp.race import Race
+from benchbench.ocp.track import Gate, Opening
 from benchbench.report.gates import outline, outlines
 from benchbench.report.html.plans.limits import limits
 from benchbench.report.html.plans.view import view
 from benchbench.report.html.race_table import race_rows
 from benchbench.report.race_panels import race_panels
 from benchbench.report.views import scene
-from benchbench.report_content import content
+from benchbench.run import config
 
 
 def race(run: str, gates: int, dynamics: str = "rk4", **values: Any) -> dict[str, Any]:

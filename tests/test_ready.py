@@ -15,18 +15,18 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from benchbench import commands
-from benchbench.assemble import assemble
-from benchbench.case import Ledger
-from benchbench.config import compose, compose_any
+from benchbench.cli import commands
 from benchbench.errors import BadInput, IncompatibleCase
-from benchbench.homotopy import Path as Schedule
-from benchbench.homotopy import homotopy
-from benchbench.mpcc import Mpcc, evaluate
+from benchbench.mpcc.problem import Mpcc, evaluate
+from benchbench.nlp.homotopy import Path as Schedule
+from benchbench.nlp.homotopy import homotopy
+from benchbench.nlp.program import assemble
+from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Setup, Solver
 from benchbench.pipeline import Run, run, write
-from benchbench.solver import Claim, Outcome, Point, Prepared, Setup, Solver
+from benchbench.planning.case import Ledger
+from benchbench.run.config import compose, compose_any
+from benchbench.run.summary import show
 from benchbench.storage.table import read
-from benchbench.summary import show
 from benchbench_plugins.collections.nosbench import MpccFile
 from benchbench_plugins.collections.pympcc_set import PympccSet
 

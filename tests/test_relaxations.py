@@ -14,17 +14,17 @@ import pytest
 from pydantic import ValidationError
 from small_mpccs import Small, by_hand, problem, pympcc_problems
 
-from benchbench.case import Case, Ledger
-from benchbench.certificate.residuals import residuals
-from benchbench.config import compose, folder
 from benchbench.errors import BadInput
-from benchbench.guess import Guess
-from benchbench.homotopy import Solved, homotopy
-from benchbench.mpcc import Block, Mpcc, Pair, PairKind, Variable, evaluate, rows
+from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Variable, evaluate, rows
+from benchbench.mpcc.residuals import residuals
+from benchbench.nlp.homotopy import Solved, homotopy
+from benchbench.nlp.relaxation import relax, smooth
+from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
+from benchbench.ocp.plan import Array, Plan
 from benchbench.pipeline import run
-from benchbench.plan import Array, Plan
-from benchbench.relaxation import relax, smooth
-from benchbench.solver import Outcome, Point, Prepared, Setup, Solver
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import Guess
+from benchbench.run.config import compose, folder
 
 NAMES = sorted(p.stem for p in Path(folder(), "relaxation").glob("*.yaml") if p.stem != "none")
 """All but "none", which leaves the pairs to a solver that takes them."""

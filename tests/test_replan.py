@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchbench import config
-from benchbench.assemble import assemble
-from benchbench.case import Case, Ledger
-from benchbench.dynamics import Grid, Phase
 from benchbench.errors import BadInput, IncompatibleCase
-from benchbench.formulation import phases
-from benchbench.guess import straight_line
-from benchbench.motion import Motion, same_kind
-from benchbench.plan import Array, Plan
-from benchbench.replan import Replanner, moved, renumbered
-from benchbench.shift import Shift
-from benchbench.strategy import Result, pose
+from benchbench.formulation.handover import phases
+from benchbench.nlp.program import assemble
+from benchbench.ocp.motion import Motion, same_kind
+from benchbench.ocp.plan import Array, Plan
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import straight_line
+from benchbench.planning.replan import Replanner, moved, renumbered
+from benchbench.planning.shift import Shift
+from benchbench.planning.strategy import Result, pose
+from benchbench.run import config
+from benchbench.transcription.dynamics import Grid, Phase
 from benchbench_plugins.motions import Circle, Combined, Fixed, Linear
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "replanning.py"

@@ -24,10 +24,10 @@ from test_picture import curved_plan, dense, task, vehicle
 from test_program import Done, assert_refused, program, records
 from test_table import row
 
+from benchbench.cli.report_content import best_first, content
 from benchbench.report.html.page import render
 from benchbench.report.html.plans.view import FRAMES, frame_nodes, view
 from benchbench.report.views import scene
-from benchbench.report_content import best_first, content
 from benchbench.storage.files import write_record
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap
@@ -260,7 +260,7 @@ def test_bad_arguments_are_bad_input(
 
 @pytest.mark.parametrize("package", ["plotly", "jinja2"])
 def test_without_the_extra_the_remedy_is_named(package: str, tmp_path: Path) -> None:
-    script = f"import sys; sys.modules[{package!r}] = None; from benchbench.application import start; " \
+    script = f"import sys; sys.modules[{package!r}] = None; from benchbench.cli.application import start; " \
              f"sys.exit(start(['report', {str(tmp_path)!r}]))"  # fmt: skip
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, timeout=100, check=False

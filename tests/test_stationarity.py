@@ -13,16 +13,17 @@ import pytest
 from scipy.optimize import OptimizeResult, lsq_linear, milp
 from small_mpccs import by_hand, problem, pympcc_problems
 
-from benchbench import config, pipeline
-from benchbench.case import Ledger
+from benchbench import pipeline
 from benchbench.certificate import descent, multipliers
 from benchbench.certificate import stationarity as stationarity_module
 from benchbench.certificate.descent import b_stationary
 from benchbench.certificate.linearised import Linearised, Tangent
 from benchbench.certificate.multipliers import classify, weak
 from benchbench.certificate.stationarity import Stationarity, stationarity
-from benchbench.mpcc import Mpcc, PairKind
-from benchbench.strategy import planned
+from benchbench.mpcc.problem import Mpcc, PairKind
+from benchbench.planning.case import Ledger
+from benchbench.planning.strategy import planned
+from benchbench.run import config
 
 
 def corner(cost: Callable, kind: PairKind = "complementarity", **more: Any) -> Mpcc:

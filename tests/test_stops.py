@@ -12,26 +12,28 @@ import pytest
 from flights import REST, SHIFT, along_tool, crossing, table_one
 from test_certificate import LIMITS, assert_mentions
 
-from benchbench import config, pipeline, posing
-from benchbench.case import Case, Ledger
+from benchbench import pipeline
 from benchbench.certificate.bound import arm_reach, sequence_bound
 from benchbench.certificate.certify import certify
-from benchbench.certificate.residuals import residuals
 from benchbench.conformance.checks.initial_value import one_phase, transcribe
-from benchbench.contact import Coupling
 from benchbench.errors import BadInput
-from benchbench.formulation import free_contact
-from benchbench.motion import sample
-from benchbench.plan import Array, Plan
+from benchbench.formulation.handover import free_contact
+from benchbench.formulation.open_order import MADE, by_progress
+from benchbench.mpcc.residuals import residuals
+from benchbench.ocp.contact import Coupling
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.stop import Itinerary, Stop
+from benchbench.planning import posing
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.search import Candidate, Found, best_first
+from benchbench.planning.strategy import pose
+from benchbench.planning.validate import validate
 from benchbench.report.views import scene
-from benchbench.scenario import Scenario
-from benchbench.search import Candidate, Found, best_first
-from benchbench.stop import Itinerary, Stop
+from benchbench.run import config
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap
-from benchbench.strategy import pose
-from benchbench.tour import MADE, by_progress
-from benchbench.validate import validate
 from benchbench_plugins.contacts.position import Position
 from benchbench_plugins.contacts.velocity import Velocity
 from benchbench_plugins.dynamics.verlet import Verlet

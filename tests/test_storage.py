@@ -26,8 +26,8 @@ from scipy.spatial.transform import Rotation
 
 from benchbench.certificate.replay import Replay, replay
 from benchbench.errors import BadInput
-from benchbench.plan import Plan
-from benchbench.scenario import Scenario
+from benchbench.ocp.plan import Plan
+from benchbench.ocp.scenario import Scenario
 from benchbench.storage import provenance, table
 from benchbench.storage.files import replacing, write_bytes, write_record
 from benchbench.storage.recording import write_mcap

@@ -8,17 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchbench import config, pipeline
-from benchbench.case import Case, Ledger
+from benchbench import pipeline
 from benchbench.certificate.window_bound import window_bounds
 from benchbench.errors import BadInput, IncompatibleCase
-from benchbench.formulation import fixed_window, phase_grid, phases
-from benchbench.guess import first_plan, straight_line
-from benchbench.multipliers import carried
-from benchbench.plan import Array, Plan
+from benchbench.formulation.handover import fixed_window, phase_grid, phases
+from benchbench.nlp.warm_start import carried
+from benchbench.ocp.plan import Array, Plan
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import first_plan, straight_line
+from benchbench.planning.strategy import Result, judge, planned, pose
+from benchbench.planning.windows import Windows, coarser
+from benchbench.run import config
 from benchbench.storage.recording import write_mcap
-from benchbench.strategy import Result, judge, planned, pose
-from benchbench.windows import Windows, coarser
 
 N = 12
 SMALL = (f"scenario.intervals={N}", "iteration_limit=150")

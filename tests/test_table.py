@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 import pytest
 from test_program import COMMAND, assert_refused, program
 
-from benchbench import commands
+from benchbench.cli import commands
 from benchbench.errors import BadInput
 from benchbench.storage.collect import collect
 from benchbench.storage.describe import describe
@@ -190,7 +190,7 @@ def test_the_columns_are_documented() -> None:
 
 
 def test_without_the_extra_the_remedy_is_named(results: Path) -> None:
-    script = "import sys; sys.modules['duckdb'] = None; from benchbench.application import start; " \
+    script = "import sys; sys.modules['duckdb'] = None; from benchbench.cli.application import start; " \
              f"sys.exit(start(['table', {str(results)!r}, '--query', 'select 1']))"  # fmt: skip
     done = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, timeout=100, check=False

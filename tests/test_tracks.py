@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from benchbench import config
 from benchbench.errors import BadInput
-from benchbench.race.scenario import Race
-from benchbench.race.track import Gate, read
+from benchbench.ocp.race import Race
+from benchbench.ocp.track import Gate, read
+from benchbench.run import config
 
 LAP = [[0.0, 0.0, 1.0], [5.0, 0.0, 1.0], [5.0, 5.0, 2.0]]
 

@@ -14,10 +14,11 @@ import pytest
 from test_launcher import path_with_bad_runs
 from test_program import program, records
 
-from benchbench import config, pipeline
-from benchbench.commands import tune
+from benchbench import pipeline
+from benchbench.cli.commands import tune
 from benchbench.errors import BadInput, Pruned
-from benchbench.progress import LiveLine
+from benchbench.run import config
+from benchbench.run.progress import LiveLine
 from benchbench.tuning import outcome
 from benchbench.tuning.space import read
 from benchbench.tuning.steps import Report

@@ -10,17 +10,17 @@ import pytest
 from flights import table_one
 from scipy.optimize import root
 
-from benchbench import config
-from benchbench.case import Ledger
 from benchbench.conformance.checks.initial_value import integrate, one_phase, told, transcribe
 from benchbench.conformance.checks.orders import check_consistency, check_order, energy_errors
 from benchbench.conformance.checks.states import at_rest
-from benchbench.formulation import phases
-from benchbench.guess import straight_line
-from benchbench.model import Model
-from benchbench.mpcc import evaluate
-from benchbench.plan import Array
-from benchbench.strategy import pose
+from benchbench.formulation.handover import phases
+from benchbench.mpcc.problem import evaluate
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Array
+from benchbench.planning.case import Ledger
+from benchbench.planning.guess import straight_line
+from benchbench.planning.strategy import pose
+from benchbench.run import config
 from benchbench_plugins.dynamics.verlet import Verlet
 from benchbench_plugins.models.pendulum import Pendulum
 

@@ -10,10 +10,10 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from benchbench.config import compose
-from benchbench.formulation import free_contact, phases
-from benchbench.guess import straight_line
-from benchbench.mpcc import Block, Mpcc, evaluate, gather
+from benchbench.formulation.handover import free_contact, phases
+from benchbench.mpcc.problem import Block, Mpcc, evaluate, gather
+from benchbench.planning.guess import straight_line
+from benchbench.run.config import compose
 from benchbench_plugins.solvers.walk import ALGEBRA, NUMBERS, Inexpressible, record
 
 UNARY: dict[str, Callable[[Any], Any]] = {

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import Replay
-from benchbench.contact import Contact
-from benchbench.model import Plant
-from benchbench.motion import sample
-from benchbench.plan import Array, Plan
-from benchbench.stop import Itinerary, Stop
+from benchbench.ocp.contact import Contact
+from benchbench.ocp.model import Plant
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.stop import Itinerary, Stop
 
 Flags = NDArray[np.bool_]
 

@@ -11,12 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 
 from benchbench.certificate.race_bound import race_bound
-from benchbench.model import Model, Plant
-from benchbench.motion import sample
-from benchbench.plan import Array
-from benchbench.race.scenario import Race
-from benchbench.scenario import Scenario
-from benchbench.stop import Stop
+from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array
+from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.stop import Stop
 
 AXES = ("x", "y", "z")
 STEP = 1e-3

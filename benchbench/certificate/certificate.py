@@ -9,7 +9,7 @@ import numpy as np
 
 from benchbench.certificate.advice import advice
 from benchbench.certificate.replay import Replay
-from benchbench.plan import Array
+from benchbench.ocp.plan import Array
 
 Record = dict[str, bool | float | str | tuple[str, ...] | None]
 

@@ -12,11 +12,11 @@ from benchbench.certificate.audit import Audit, audit
 from benchbench.certificate.certificate import Certificate, Check, Measures
 from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import Defects, Replay, defects, replay
-from benchbench.certificate.residuals import Residuals
-from benchbench.model import Model
-from benchbench.plan import Plan
-from benchbench.race.scenario import Race
-from benchbench.scenario import Scenario
+from benchbench.mpcc.residuals import Residuals
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Plan
+from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
 
 
 def certify(

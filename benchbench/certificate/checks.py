@@ -10,10 +10,10 @@ from benchbench.certificate.audit import Audit, event_contacts, path_contacts
 from benchbench.certificate.certificate import Check, at_least, at_most, worst
 from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import Defects, Replay
-from benchbench.certificate.residuals import Residuals
-from benchbench.model import Coordinates, Model
-from benchbench.plan import Array, Plan
-from benchbench.scenario import Scenario
+from benchbench.mpcc.residuals import Residuals
+from benchbench.ocp.model import Coordinates, Model
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.scenario import Scenario
 
 Checks = Iterator[Check]
 SPOKEN = {"position": "distance", "velocity": "relative speed", "heading": "heading error"}

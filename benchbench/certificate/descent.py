@@ -10,7 +10,7 @@ from scipy.optimize import Bounds, LinearConstraint, OptimizeResult, milp
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
 from benchbench.certificate.linearised import Tangent
-from benchbench.plan import Array
+from benchbench.ocp.plan import Array
 
 Answer = Literal["yes", "no", "undecided"]
 

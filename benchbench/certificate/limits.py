@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from benchbench.scenario import NonNegative, Positive
+from benchbench.ocp.scenario import NonNegative, Positive
 
 
 class ProblemLimits(BaseModel):

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
-from benchbench.assemble import Program, assemble
-from benchbench.mpcc import Index, Mpcc
-from benchbench.plan import Array
+from benchbench.mpcc.problem import Index, Mpcc
+from benchbench.nlp.program import Program, assemble
+from benchbench.ocp.plan import Array
 
 Flags = NDArray[np.bool_]
 LARGEST_RANK = 2000

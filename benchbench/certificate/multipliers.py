@@ -11,7 +11,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csc_array, hstack, vstack
 
 from benchbench.certificate.linearised import Tangent
-from benchbench.plan import Array
+from benchbench.ocp.plan import Array
 
 Kind = Literal["S", "M", "C", "W", "none", "undecided"]
 Side = tuple[float, float, float, float]

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from benchbench.certificate.certificate import Check, at_most, worst
 from benchbench.certificate.checks import outputs
-from benchbench.certificate.gates import Pass, manner, passes
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import Replay
-from benchbench.model import Model
-from benchbench.plan import Array, Plan
-from benchbench.race.scenario import Race
-from benchbench.race.track import Gate
+from benchbench.ocp.gates import Pass, manner, passes
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.race import Race
+from benchbench.ocp.track import Gate
 
 Checks = Iterator[Check]
 UNIT_LENGTH = 1e-6

@@ -8,7 +8,7 @@ pushes. From rest, every flight through the gates then takes at least
 
 where a run is a way D from one turning point of p . n to the next that the order of the gates forces: p . n is at rest at
 every turning point, and a . n is between -a_minus and a_plus. Both are proofs. The time-optimal flight of a point mass
-(`benchbench.race.point_mass`) is not: it is a local solution, and its thrust is held over intervals, which the vehicle
+(`benchbench.planning.race_start`) is not: it is a local solution, and its thrust is held over intervals, which the vehicle
 need not do. It would be a bound if it were solved globally and in continuous time.
 """
 
@@ -19,10 +19,10 @@ from functools import cache
 
 import numpy as np
 
-from benchbench.model import Model, Plant
-from benchbench.plan import Array
-from benchbench.race.scenario import Race
-from benchbench.race.track import Gate
+from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.plan import Array
+from benchbench.ocp.race import Race
+from benchbench.ocp.track import Gate
 
 DIRECTIONS = 400
 """Directions tried; each gives a bound, more of them a slightly better one."""

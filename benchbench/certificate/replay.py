@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
-from benchbench.model import Plant
-from benchbench.plan import Array, Plan, bezier
+from benchbench.ocp.model import Plant
+from benchbench.ocp.plan import Array, Plan, bezier
 
 TOLERANCE = 1e-10
 """Relative and absolute tolerance of a step, far below every limit of the certificate."""

@@ -8,8 +8,8 @@ from typing import Any
 
 from benchbench.certificate.audit import Audit
 from benchbench.certificate.certificate import Check
-from benchbench.plan import Plan
-from benchbench.stop import Itinerary
+from benchbench.ocp.plan import Plan
+from benchbench.ocp.stop import Itinerary
 
 MEASURED = (
     ("position", "contact_max_distance_m"),

@@ -6,10 +6,10 @@ import numpy as np
 
 from benchbench.certificate.bound import AXES, STEP, arm_reach
 from benchbench.certificate.limits import Limits
-from benchbench.model import Model
-from benchbench.motion import sample
-from benchbench.plan import Array
-from benchbench.scenario import Scenario
+from benchbench.ocp.model import Model
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array
+from benchbench.ocp.scenario import Scenario
 
 CELLS = 250
 """Cells that are looked at together; windows whose bound is found leave."""

@@ -13,8 +13,8 @@ from hydra.core.object_type import ObjectType
 from hydra.errors import InstantiationException
 from omegaconf import DictConfig, OmegaConf
 
-from benchbench import config
 from benchbench.registry import installed
+from benchbench.run import config
 
 GROUPS = {
     "models": "vehicle",

@@ -8,8 +8,8 @@ import pytest
 
 from benchbench.conformance.candidates import Candidate, candidates
 from benchbench.conformance.checks.contacts import CHECKS
-from benchbench.contact import Contact
-from benchbench.model import Model
+from benchbench.ocp.contact import Contact
+from benchbench.ocp.model import Model
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)

@@ -10,8 +10,8 @@ import pytest
 from benchbench.conformance.candidates import Candidate, candidates
 from benchbench.conformance.checks.dynamics import CHECKS
 from benchbench.conformance.checks.orders import check_consistency, check_order, check_phases, energy_errors
-from benchbench.dynamics import Dynamics
-from benchbench.model import Model
+from benchbench.ocp.model import Model
+from benchbench.transcription.dynamics import Dynamics
 
 Record = Callable[[str, object], None]
 DYNAMICS = pytest.mark.parametrize("candidate", candidates("dynamics"), ids=lambda c: c.name)

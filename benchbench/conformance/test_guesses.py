@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from benchbench import config
-from benchbench.case import Case
 from benchbench.conformance.candidates import Candidate, candidates
 from benchbench.conformance.checks.guesses import CHECKS
-from benchbench.guess import Guess, straight_line
+from benchbench.planning.case import Case
+from benchbench.planning.guess import Guess, straight_line
+from benchbench.run import config
 from benchbench.storage.recording import write_mcap
 
 GUESSES = pytest.mark.parametrize("candidate", candidates("guesses"), ids=lambda c: c.name)

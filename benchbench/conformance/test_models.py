@@ -8,7 +8,7 @@ import pytest
 
 from benchbench.conformance.candidates import Candidate, candidates
 from benchbench.conformance.checks.models import CHECKS
-from benchbench.model import Model
+from benchbench.ocp.model import Model
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)

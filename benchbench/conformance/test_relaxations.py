@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from benchbench import config
-from benchbench.case import Case
 from benchbench.conformance.candidates import Candidate, candidates
 from benchbench.conformance.checks.programs import Known, known
 from benchbench.conformance.checks.relaxations import CHECKS, check_solution
 from benchbench.errors import Unavailable
-from benchbench.relaxation import Relaxation, relax
-from benchbench.solver import Setup, Solver
+from benchbench.nlp.relaxation import Relaxation, relax
+from benchbench.nlp.solver import Setup, Solver
+from benchbench.planning.case import Case
+from benchbench.run import config
 
 RELAXATIONS = pytest.mark.parametrize("candidate", candidates("relaxations"), ids=lambda c: c.name)
 

@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 import pytest
 
-from benchbench import config
 from benchbench.conformance.candidates import Candidate, candidates
 from benchbench.conformance.checks.programs import Known, known
 from benchbench.conformance.checks.smooth_programs import Smooth, convex, hard
 from benchbench.conformance.checks.solvers import CHECKS, check_claim, check_pairs, check_solves, solved
 from benchbench.conformance.checks.staged_programs import lands_at, rest_to_rest, tracking
 from benchbench.errors import IncompatibleCase, Unavailable
-from benchbench.solver import Setup, Solver
+from benchbench.nlp.solver import Setup, Solver
+from benchbench.run import config
 
 SOLVERS = pytest.mark.parametrize("candidate", candidates("solvers"), ids=lambda c: c.name)
 

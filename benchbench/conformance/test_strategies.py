@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import pytest
 
-from benchbench import config
-from benchbench.case import Case
 from benchbench.conformance.candidates import Candidate, candidates
 from benchbench.conformance.checks.strategies import CHECKS
 from benchbench.errors import BadInput, Unavailable
-from benchbench.strategy import Strategy
+from benchbench.planning.case import Case
+from benchbench.planning.strategy import Strategy
+from benchbench.run import config
 
 STRATEGIES = pytest.mark.parametrize("candidate", candidates("strategies"), ids=lambda c: c.name)
 

@@ -6,9 +6,10 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from benchbench import config, pipeline
-from benchbench.case import Case, Ledger
+from benchbench import pipeline
+from benchbench.planning.case import Case, Ledger
 from benchbench.regression.reference import Reference
+from benchbench.run import config
 
 ANSWER = ("status", "certified", "travel_time_s", "objective", "iterations", "evaluations")
 """Columns of the record that are compared."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.plan import Plan
+from benchbench.ocp.plan import Plan
 
 CLAIM = 1e-3
 """Progress index above which a node claims contact, as in the certificate's limits; solvers leave tiny values

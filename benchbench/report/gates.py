@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchbench.plan import Array
-from benchbench.race.track import Gate
+from benchbench.ocp.plan import Array
+from benchbench.ocp.track import Gate
 
 
 def outlines(gates: Sequence[Gate]) -> dict[str, Array]:

@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from benchbench.certificate.replay import Replay
-from benchbench.model import Coordinates, Model
-from benchbench.motion import sample
-from benchbench.plan import Array, Plan, bezier
+from benchbench.ocp.model import Coordinates, Model
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array, Plan, bezier
+from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.stop import Stop
 from benchbench.report.contact_window import stop_windows
 from benchbench.report.panel import Curve, Panel, Points
-from benchbench.scenario import Scenario
-from benchbench.stop import Stop
 
 GAPS = {"position": "Distance to target", "velocity": "Relative speed", "heading": "Heading error"}
 QUANTITIES = {

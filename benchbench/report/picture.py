@@ -15,9 +15,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from benchbench.certificate.replay import Replay
-from benchbench.model import Model
-from benchbench.plan import Plan
-from benchbench.race.scenario import Race
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Plan
+from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.limits_panel import contact_panels, limit_panels
 from benchbench.report.panel import Panel, draw_panel
@@ -25,7 +26,6 @@ from benchbench.report.png import write_png
 from benchbench.report.race import race_figure
 from benchbench.report.style import BAD, CONTACT, GOOD, INK, LIMIT, RC
 from benchbench.report.views import Scene, draw_view, label_times, legend_handles, scene
-from benchbench.scenario import Scenario
 from benchbench.storage.files import replacing
 
 WIDTH_IN = 14.0

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from benchbench.certificate.replay import Replay
-from benchbench.model import Model
-from benchbench.plan import Array, Plan, bezier
-from benchbench.race.scenario import Race
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Array, Plan, bezier
+from benchbench.ocp.race import Race
 from benchbench.report.panel import Band, Curve, Panel
 
 ALIKE = 2.0

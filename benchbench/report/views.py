@@ -11,14 +11,14 @@ from matplotlib.lines import Line2D
 
 from benchbench.certificate.race import as_passed
 from benchbench.certificate.replay import Replay
-from benchbench.model import Model
-from benchbench.motion import sample
-from benchbench.plan import Array, Plan
-from benchbench.race.scenario import Race
+from benchbench.ocp.model import Model
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows, stop_windows
 from benchbench.report.gates import outlines
 from benchbench.report.style import ARM, CONTACT, FRAME, INK, TARGET, TOOL
-from benchbench.scenario import Scenario
 
 POSES = 16
 """How many poses are drawn besides start, end and contact."""

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.plan import Array
+from benchbench.ocp.plan import Array
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchbench.errors import BadInput
-from benchbench.model import Model
-from benchbench.plan import Array, Interpolation, Plan
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Array, Interpolation, Plan
 
 POSITION, QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 ANGLES, RATES = ("roll", "pitch", "yaw"), ("wx", "wy", "wz")

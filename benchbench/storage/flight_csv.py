@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from benchbench.errors import BadInput
-from benchbench.plan import Array
+from benchbench.ocp.plan import Array
 from benchbench.storage.flight import Flight, continuous
 
 QUATERNION_ERROR = 1e-3

@@ -12,7 +12,7 @@ import numpy as np
 
 from benchbench.certificate.replay import Replay
 from benchbench.errors import Unavailable
-from benchbench.plan import Array, Interpolation, Plan
+from benchbench.ocp.plan import Array, Interpolation, Plan
 
 if TYPE_CHECKING:
     from mcap.reader import McapReader

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from benchbench.errors import BadInput
-from benchbench.motion import sample
-from benchbench.plan import Array, Plan
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array, Plan
 from benchbench.storage.entry import Entry, nanoseconds
 from benchbench.storage.files import replacing
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from foxglove import Context
 
     from benchbench.certificate.replay import Replay
-    from benchbench.model import Model
-    from benchbench.scenario import Scenario
+    from benchbench.ocp.model import Model
+    from benchbench.ocp.scenario import Scenario
 
 CHUNK_BYTES = 64 * 1024
 """Small chunks, so that a file that was cut off keeps nearly all complete messages."""

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from benchbench.errors import Unavailable
-from benchbench.plan import Array
+from benchbench.ocp.plan import Array
 from benchbench.storage.entry import nanoseconds
 from benchbench.storage.flight import Flight
 

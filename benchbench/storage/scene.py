@@ -26,15 +26,15 @@ from foxglove.messages import (
     Vector3,
 )
 
-from benchbench.motion import sample
-from benchbench.plan import Array, Plan
-from benchbench.race.scenario import Race
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.race import Race
 from benchbench.storage.entry import Entry, nanoseconds
 from benchbench.storage.flight import vehicle_pose
 
 if TYPE_CHECKING:
-    from benchbench.model import Model
-    from benchbench.scenario import Scenario
+    from benchbench.ocp.model import Model
+    from benchbench.ocp.scenario import Scenario
 
 WORLD = "world"
 BLUE, GREEN = Color(r=0.0, g=0.35, b=0.70, a=1.0), Color(r=0.0, g=0.55, b=0.35, a=1.0)

@@ -11,8 +11,8 @@ from typing import Self, final
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from benchbench import summary
-from benchbench.execution import Ended
+from benchbench.run import summary
+from benchbench.run.execution import Ended
 from benchbench.sweep.job import Job
 
 

@@ -9,8 +9,8 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.types import RunMode
 from omegaconf import DictConfig, open_dict, read_write
 
-from benchbench.execution import Place
-from benchbench.settings import Settings
+from benchbench.run.execution import Place
+from benchbench.run.settings import Settings
 
 
 @dataclass(frozen=True)

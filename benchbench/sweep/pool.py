@@ -17,8 +17,8 @@ from hydra.core.config_search_path import ConfigSearchPath
 from pebble import ProcessExpired, ProcessPool
 
 from benchbench.errors import BenchBenchError, Crash, OutOfMemory, Timeout
-from benchbench.execution import Ended, Place
-from benchbench.settings import Settings
+from benchbench.run.execution import Ended, Place
+from benchbench.run.settings import Settings
 from benchbench.sweep import worker
 from benchbench.sweep.job import Job
 

@@ -17,7 +17,7 @@ from hydra.core.config_search_path import ConfigSearchPath
 from omegaconf import read_write
 
 from benchbench.errors import Crash
-from benchbench.execution import Ended
+from benchbench.run.execution import Ended
 from benchbench.sweep.pool import Task, run_all
 
 Files = dict[str, bytes]

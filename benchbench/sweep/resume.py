@@ -6,8 +6,8 @@ from collections.abc import Hashable, Mapping
 from pathlib import Path
 from typing import Any
 
-from benchbench.execution import BAD_INPUT, CERTIFIED, NOT_CERTIFIED
-from benchbench.settings import Rerun
+from benchbench.run.execution import BAD_INPUT, CERTIFIED, NOT_CERTIFIED
+from benchbench.run.settings import Rerun
 from benchbench.storage import provenance
 from benchbench.storage.status import Status
 

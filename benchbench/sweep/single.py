@@ -12,8 +12,8 @@ from hydra.core.global_hydra import GlobalHydra
 from omegaconf import DictConfig
 from rich.console import Console
 
-from benchbench.execution import Ended, failure
-from benchbench.hydra_errors import EXPECTED
+from benchbench.run.execution import Ended, failure
+from benchbench.run.hydra_errors import EXPECTED
 from benchbench.sweep.job import Job
 from benchbench.sweep.pool import run_all
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from hydra.core.config_search_path import ConfigSearchPath
 from rich.console import Console
 
-from benchbench.execution import Ended, failure
-from benchbench.hydra_errors import EXPECTED
+from benchbench.run.execution import Ended, failure
+from benchbench.run.hydra_errors import EXPECTED
 from benchbench.sweep.display import Display
 from benchbench.sweep.job import Job
 from benchbench.sweep.pool import Task, run_all

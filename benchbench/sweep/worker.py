@@ -25,8 +25,8 @@ from hydra.core.plugins import Plugins
 from hydra.core.utils import run_job
 from hydra.types import HydraContext
 
-from benchbench.execution import Ended, execute
-from benchbench.settings import Settings
+from benchbench.run.execution import Ended, execute
+from benchbench.run.settings import Settings
 from benchbench.sweep.job import Job
 
 WRITERS = ("benchbench.report.picture", "benchbench.storage.recording", "benchbench.storage.table")

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from omegaconf import OmegaConf
 from optuna.trial import FrozenTrial, TrialState
 
-from benchbench import config
+from benchbench.run import config
 from benchbench.storage.files import write_bytes
 
 BEST = "tuned/best.yaml"

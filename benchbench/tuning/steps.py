@@ -8,8 +8,8 @@ import optuna
 from optuna.pruners import BasePruner
 from optuna.trial import FrozenTrial
 
-from benchbench.case import GUESS, Step
 from benchbench.errors import Pruned
+from benchbench.planning.case import GUESS, Step
 from benchbench.tuning.outcome import good
 from benchbench.tuning.storage import opened
 

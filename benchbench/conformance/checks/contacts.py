@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import random_states
-from benchbench.contact import Condition, Contact, Target
-from benchbench.dynamics import Node
-from benchbench.model import Model
-from benchbench.plan import Array
+from benchbench.ocp.contact import Condition, Contact, Target
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Array
+from benchbench.transcription.dynamics import Node
 
 REACH = 3.0
 """States are drawn with gaps of up to about this many limits."""

@@ -25,12 +25,12 @@ from benchbench.conformance.checks.initial_value import (
 )  # fmt: skip
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest
-from benchbench.dynamics import Dynamics, Grid, Phase
-from benchbench.model import Model
-from benchbench.mpcc import Mpcc, evaluate, gather
-from benchbench.plan import Array, Plan
-from benchbench.scenario import Scenario
-from benchbench.transcription import input_intervals
+from benchbench.mpcc.problem import Mpcc, evaluate, gather
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.scenario import Scenario
+from benchbench.transcription.dynamics import Dynamics, Grid, Phase
+from benchbench.transcription.nodal import input_intervals
 
 STATES = ("time", "configuration", "velocity")
 THREE_PHASES = Grid(

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchbench.case import Case, Ledger
 from benchbench.conformance.checks.require import require
-from benchbench.guess import Guess, first_plan
-from benchbench.plan import Array, Plan
+from benchbench.ocp.plan import Array, Plan
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import Guess, first_plan
 
 ROUNDING = 1e-6
 """Limits may be exceeded by what solvers leave, in any unit."""

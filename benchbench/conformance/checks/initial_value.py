@@ -12,15 +12,15 @@ from scipy.integrate import solve_ivp
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from benchbench.assemble import assemble
 from benchbench.conformance.checks.require import require
 from benchbench.conformance.checks.states import at_rest
-from benchbench.dynamics import Dynamics, Grid, Phase, Trajectory
-from benchbench.model import Model
-from benchbench.motion import Motion
-from benchbench.mpcc import Mpcc
-from benchbench.plan import Array, Plan
-from benchbench.scenario import Scenario
+from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.program import assemble
+from benchbench.ocp.model import Model
+from benchbench.ocp.motion import Motion
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.scenario import Scenario
+from benchbench.transcription.dynamics import Dynamics, Grid, Phase, Trajectory
 
 Signal = Callable[[Array], Array]
 """Times (n,) s to inputs (n, n_u)."""

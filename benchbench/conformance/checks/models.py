@@ -22,8 +22,8 @@ from scipy.integrate import solve_ivp
 
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest, energies, limited, random_states, symbols
-from benchbench.model import Model, Plant
-from benchbench.plan import Array
+from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.plan import Array
 
 
 def check_limits(model: Model) -> None:

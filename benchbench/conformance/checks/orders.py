@@ -15,8 +15,8 @@ import numpy as np
 from benchbench.conformance.checks.initial_value import Signal, fly, integrate, one_phase, told, transcribe
 from benchbench.conformance.checks.require import require
 from benchbench.conformance.checks.states import at_rest, limited, normalised
-from benchbench.dynamics import Dynamics, Grid, Phase
-from benchbench.model import Model
+from benchbench.ocp.model import Model
+from benchbench.transcription.dynamics import Dynamics, Grid, Phase
 
 FLOOR = 1e-12
 """Errors below this are rounding and say nothing about an order."""

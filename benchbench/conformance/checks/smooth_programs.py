@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchbench.conformance.checks.programs import block, unknowns
-from benchbench.mpcc import Mpcc
-from benchbench.plan import Array
+from benchbench.mpcc.problem import Mpcc
+from benchbench.ocp.plan import Array
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,6 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from benchbench.assemble import assemble
-from benchbench.case import Case
 from benchbench.conformance.checks.programs import Known
 from benchbench.conformance.checks.relaxations import check_solution
 from benchbench.conformance.checks.require import close, require
@@ -36,10 +34,12 @@ from benchbench.conformance.checks.staged_programs import (
     tracking,
     undefined,
 )
-from benchbench.mpcc import Mpcc, PairKind
-from benchbench.plan import Array
-from benchbench.relaxation import Relaxation, Relaxed
-from benchbench.solver import Accuracy, Outcome, Point, Setup, Solver
+from benchbench.mpcc.problem import Mpcc, PairKind
+from benchbench.nlp.program import assemble
+from benchbench.nlp.relaxation import Relaxation, Relaxed
+from benchbench.nlp.solver import Accuracy, Outcome, Point, Setup, Solver
+from benchbench.ocp.plan import Array
+from benchbench.planning.case import Case
 
 SETUP = Setup(seconds=300.0, iterations=3000, accuracy="high", compile="never")
 X_ERROR: dict[Accuracy, float] = {"low": 2e-2, "medium": 2e-3, "high": 1e-5}

@@ -13,8 +13,8 @@ import numpy as np
 
 from benchbench.conformance.checks.programs import block
 from benchbench.conformance.checks.smooth_programs import Smooth
-from benchbench.mpcc import Block, Mpcc, Slot, Variable, rows
-from benchbench.plan import Array
+from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
+from benchbench.ocp.plan import Array
 
 N, H = 12, 1 / 12
 Law = Callable[[Any, Any, Any], Any]

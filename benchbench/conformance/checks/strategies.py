@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchbench.case import Case, Ledger
-from benchbench.certificate.residuals import residuals
 from benchbench.conformance.checks.require import close, require
-from benchbench.guess import first_plan
+from benchbench.mpcc.residuals import residuals
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import first_plan
+from benchbench.planning.strategy import Result, Strategy, planned
 from benchbench.storage.schema import make_record
-from benchbench.strategy import Result, Strategy, planned
 
 GRANTED = 20.0
 """Wall seconds beyond its time limit that a strategy may take, to build and to end a solve."""

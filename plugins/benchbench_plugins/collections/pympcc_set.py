@@ -10,8 +10,8 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput, Unavailable
-from benchbench.mpcc import Mpcc
-from benchbench.ready import ReadyMade, whole
+from benchbench.mpcc.problem import Mpcc
+from benchbench.mpcc.ready import ReadyMade, whole
 
 EXPONENTIAL = ("scholtes1", "scholtes2")
 """Problems whose G calls math.exp, which takes floats only: G = -exp(x_0) + x_1 - exp(x_2)."""

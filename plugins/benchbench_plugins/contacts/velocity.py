@@ -9,10 +9,10 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.contact import Condition, Contact, Target
-from benchbench.dynamics import Node
-from benchbench.model import Model, Plant
-from benchbench.plan import Array
+from benchbench.ocp.contact import Condition, Contact, Target
+from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.plan import Array
+from benchbench.transcription.dynamics import Node
 
 
 @final

@@ -7,12 +7,12 @@ from typing import Annotated, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.dynamics import Dynamics, Grid, Trajectory
-from benchbench.model import Model
-from benchbench.mpcc import Mpcc
-from benchbench.runge_kutta import Inputs, transcribe
-from benchbench.scenario import Scenario
-from benchbench.tableau import Points, collocation
+from benchbench.mpcc.problem import Mpcc
+from benchbench.ocp.model import Model
+from benchbench.ocp.scenario import Scenario
+from benchbench.transcription.dynamics import Dynamics, Grid, Trajectory
+from benchbench.transcription.runge_kutta import Inputs, transcribe
+from benchbench.transcription.tableau import Points, collocation
 
 
 @final
@@ -20,7 +20,7 @@ from benchbench.tableau import Points, collocation
 class Collocation(Dynamics):
     """Gauss-Legendre (order 2 degree) or Radau IIA (order 2 degree - 1) points; limits hold at the points.
 
-    inputs "interval", "linear" or "polynomial": see `benchbench.runge_kutta.transcribe`.
+    inputs "interval", "linear" or "polynomial": see `benchbench.transcription.runge_kutta.transcribe`.
     """
 
     inputs: Inputs = "interval"

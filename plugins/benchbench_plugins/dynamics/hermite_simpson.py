@@ -6,12 +6,12 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench.dynamics import Dynamics, Grid, Trajectory
-from benchbench.model import Model
-from benchbench.mpcc import Mpcc
-from benchbench.runge_kutta import Inputs, transcribe
-from benchbench.scenario import Scenario
-from benchbench.tableau import HERMITE_SIMPSON
+from benchbench.mpcc.problem import Mpcc
+from benchbench.ocp.model import Model
+from benchbench.ocp.scenario import Scenario
+from benchbench.transcription.dynamics import Dynamics, Grid, Trajectory
+from benchbench.transcription.runge_kutta import Inputs, transcribe
+from benchbench.transcription.tableau import HERMITE_SIMPSON
 
 
 @final
@@ -19,7 +19,7 @@ from benchbench.tableau import HERMITE_SIMPSON
 class HermiteSimpson(Dynamics):
     """Lobatto IIIA with three stages: nodes and midpoint; limits hold at all of them.
 
-    inputs "interval", "linear" or "polynomial": see `benchbench.runge_kutta.transcribe`.
+    inputs "interval", "linear" or "polynomial": see `benchbench.transcription.runge_kutta.transcribe`.
     """
 
     inputs: Inputs = "linear"

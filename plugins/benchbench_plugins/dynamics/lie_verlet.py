@@ -12,11 +12,11 @@ from typing import ClassVar, Literal, final
 import casadi as ca
 from pydantic.dataclasses import dataclass
 
-from benchbench.dynamics import Dynamics, Grid, Trajectory
-from benchbench.model import Model
-from benchbench.mpcc import Mpcc
-from benchbench.scenario import Scenario
-from benchbench.variational import Discrete, Gradient, Inputs, transcribe
+from benchbench.mpcc.problem import Mpcc
+from benchbench.ocp.model import Model
+from benchbench.ocp.scenario import Scenario
+from benchbench.transcription.dynamics import Dynamics, Grid, Trajectory
+from benchbench.transcription.variational import Discrete, Gradient, Inputs, transcribe
 
 
 @final

@@ -7,17 +7,17 @@ from typing import ClassVar, Literal, final
 import casadi as ca
 from pydantic.dataclasses import dataclass
 
-from benchbench.dynamics import Dynamics, Grid, Trajectory
-from benchbench.model import Model
-from benchbench.mpcc import Mpcc
-from benchbench.scenario import Scenario
-from benchbench.variational import Discrete, Gradient, transcribe
+from benchbench.mpcc.problem import Mpcc
+from benchbench.ocp.model import Model
+from benchbench.ocp.scenario import Scenario
+from benchbench.transcription.dynamics import Dynamics, Grid, Trajectory
+from benchbench.transcription.variational import Discrete, Gradient, transcribe
 
 
 @final
 @dataclass(frozen=True)
 class Midpoint(Dynamics):
-    """L_d(q_0, q_1) = h L((q_0 + q_1) / 2, (q_1 - q_0) / h), rows as in `benchbench.variational`; second order.
+    """L_d(q_0, q_1) = h L((q_0 + q_1) / 2, (q_1 - q_0) / h), rows as in `benchbench.transcription.variational`; second order.
 
     Forces are taken at the midpoint, f^- = f^+ = h/2 Q. inputs "interval": one held input; "averaged": the
     mean of the nodal ones, replayed as a linear input.

@@ -7,14 +7,14 @@ from typing import Annotated, Literal, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench import shooting
-from benchbench.dynamics import Dynamics, Grid, Trajectory
 from benchbench.errors import BadInput
-from benchbench.model import Model
-from benchbench.mpcc import Mpcc
-from benchbench.runge_kutta import Inputs, transcribe
-from benchbench.scenario import Scenario
-from benchbench.tableau import RK4, composed
+from benchbench.mpcc.problem import Mpcc
+from benchbench.ocp.model import Model
+from benchbench.ocp.scenario import Scenario
+from benchbench.transcription import shooting
+from benchbench.transcription.dynamics import Dynamics, Grid, Trajectory
+from benchbench.transcription.runge_kutta import Inputs, transcribe
+from benchbench.transcription.tableau import RK4, composed
 
 
 @final
@@ -22,11 +22,11 @@ from benchbench.tableau import RK4, composed
 class Rk4(Dynamics):
     """Explicit Runge-Kutta, `steps` equal steps inside each interval.
 
-    form "stages": stages are unknowns (see `benchbench.runge_kutta`), which is the same method: the limits hold at
+    form "stages": stages are unknowns (see `benchbench.transcription.runge_kutta`), which is the same method: the limits hold at
     every stage, and the inverse of the mass matrix is never needed. "shooting": stages are eliminated (see
-    `benchbench.shooting`), limits hold at nodes; a third of the unknowns. "auto": shooting for a model that gives
+    `benchbench.transcription.shooting`), limits hold at nodes; a third of the unknowns. "auto": shooting for a model that gives
     its accelerations, stages for one with a Lagrangian only and for polynomial inputs.
-    inputs "interval", "linear" or "polynomial": see `benchbench.runge_kutta.transcribe`.
+    inputs "interval", "linear" or "polynomial": see `benchbench.transcription.runge_kutta.transcribe`.
     """
 
     inputs: Inputs = "interval"

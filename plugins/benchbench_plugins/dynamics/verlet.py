@@ -7,12 +7,12 @@ from typing import ClassVar, final
 import casadi as ca
 from pydantic.dataclasses import dataclass
 
-from benchbench.dynamics import Dynamics, Grid, Trajectory
-from benchbench.model import Model
-from benchbench.mpcc import Mpcc
-from benchbench.scenario import Scenario
-from benchbench.transcription import Velocities
-from benchbench.variational import Discrete, Gradient, Inputs, transcribe
+from benchbench.mpcc.problem import Mpcc
+from benchbench.ocp.model import Model
+from benchbench.ocp.scenario import Scenario
+from benchbench.transcription.dynamics import Dynamics, Grid, Trajectory
+from benchbench.transcription.nodal import Velocities
+from benchbench.transcription.variational import Discrete, Gradient, Inputs, transcribe
 
 
 @final
@@ -21,7 +21,7 @@ class Verlet(Dynamics):
     """Two-point form of the forced discrete Euler-Lagrange equations; second order.
 
     L_d(q_0, q_1) = h/2 L(q_0, w) + h/2 L(q_1, w), w = (q_1 - q_0) / h (paper Eq. 21); rows as in
-    `benchbench.variational`.
+    `benchbench.transcription.variational`.
 
     inputs "interval": one held input, f^- = h/2 Q(q_k, u_k), f^+ = h/2 Q(q_{k+1}, u_k), what a controller does.
     inputs "nodal":    f^- = h/2 Q(q_k, u_k), f^+ = h/2 Q(q_{k+1}, u_{k+1}), replayed as a linear input.

@@ -8,12 +8,12 @@ from typing import final
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.case import Case, Ledger
 from benchbench.errors import IncompatibleCase
-from benchbench.guess import Guess, hovering, over
-from benchbench.motion import sample
-from benchbench.plan import Array, Plan
-from benchbench.race.scenario import Race
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.race import Race
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import Guess, hovering, over
 
 PEAK = 1.875
 """Largest speed of a minimum-jerk flight from rest to rest, times its duration over its length."""

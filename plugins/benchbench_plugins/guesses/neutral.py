@@ -7,10 +7,10 @@ from typing import final
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.case import Case, Ledger
-from benchbench.formulation import WHOLE
-from benchbench.guess import Guess, hovering
-from benchbench.plan import Plan
+from benchbench.formulation.handover import WHOLE
+from benchbench.ocp.plan import Plan
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import Guess, hovering
 
 
 @final

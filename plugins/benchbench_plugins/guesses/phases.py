@@ -7,11 +7,11 @@ from typing import final
 from pydantic import ConfigDict, InstanceOf
 from pydantic.dataclasses import dataclass
 
-from benchbench import posing
-from benchbench.case import Case, Ledger
-from benchbench.guess import Guess
-from benchbench.plan import Plan
-from benchbench.strategy import from_phases
+from benchbench.ocp.plan import Plan
+from benchbench.planning import posing
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import Guess
+from benchbench.planning.strategy import from_phases
 
 
 @final

@@ -7,10 +7,10 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench.case import Case, Ledger
 from benchbench.errors import BadInput
-from benchbench.guess import Guess
-from benchbench.plan import Plan
+from benchbench.ocp.plan import Plan
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import Guess
 from benchbench.storage.files import PLAN
 from benchbench.storage.playback import read_mcap
 

@@ -6,10 +6,10 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench import posing
-from benchbench.case import Case, Ledger
-from benchbench.guess import Guess
-from benchbench.plan import Plan
+from benchbench.ocp.plan import Plan
+from benchbench.planning import posing
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import Guess
 
 
 @final

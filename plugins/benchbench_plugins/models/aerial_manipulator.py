@@ -16,8 +16,8 @@ from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
 from benchbench.errors import BadInput, invalid
-from benchbench.model import Coordinates, Model, Plant, box
-from benchbench.plan import Array
+from benchbench.ocp.model import Coordinates, Model, Plant, box
+from benchbench.ocp.plan import Array
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
 from benchbench_plugins.models.attitude import ATTITUDES, Kind

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from benchbench.plan import Array
+from benchbench.ocp.plan import Array
 from benchbench_plugins.models.attitude_plant import Angles, AttitudePlant, Quaternions
 
 Kind = Literal["euler", "quaternion"]
@@ -50,11 +50,11 @@ class Attitude(ABC):
 
     @abstractmethod
     def difference(self, a0: ca.SX, a1: ca.SX) -> ca.SX:
-        """Return w that leads from a0 to a1 in unit time, see `benchbench.model.Model.difference`."""
+        """Return w that leads from a0 to a1 in unit time, see `benchbench.ocp.model.Model.difference`."""
 
     @abstractmethod
     def constraint(self, a: ca.SX) -> ca.SX:
-        """Return what is zero for attitudes, see `benchbench.model.Model.constraint`."""
+        """Return what is zero for attitudes, see `benchbench.ocp.model.Model.constraint`."""
 
     @abstractmethod
     def normalised(self, a: ca.SX) -> ca.SX:

@@ -10,7 +10,7 @@ from typing import final
 
 import numpy as np
 
-from benchbench.plan import Array
+from benchbench.ocp.plan import Array
 
 
 class AttitudePlant(ABC):

@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.model import Coordinates, Model, Plant, box
-from benchbench.plan import Array
-from benchbench.scenario import NonNegative, Positive, Range
+from benchbench.ocp.model import Coordinates, Model, Plant, box
+from benchbench.ocp.plan import Array
+from benchbench.ocp.scenario import NonNegative, Positive, Range
 
 
 @final

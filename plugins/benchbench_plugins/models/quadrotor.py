@@ -16,9 +16,9 @@ from pydantic.dataclasses import dataclass
 from scipy.spatial.transform import Rotation
 
 from benchbench.errors import BadInput
-from benchbench.model import Coordinates, Model, Plant, box
-from benchbench.plan import Array
-from benchbench.scenario import NonNegative, Positive, Range
+from benchbench.ocp.model import Coordinates, Model, Plant, box
+from benchbench.ocp.plan import Array
+from benchbench.ocp.scenario import NonNegative, Positive, Range
 from benchbench_plugins.models.attitude import ATTITUDES, Attitude, Kind
 from benchbench_plugins.models.quadrotor_plant import QuadrotorPlant
 

@@ -9,9 +9,9 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput
-from benchbench.motion import Motion
-from benchbench.plan import Array
-from benchbench.scenario import Finite, Positive
+from benchbench.ocp.motion import Motion
+from benchbench.ocp.plan import Array
+from benchbench.ocp.scenario import Finite, Positive
 
 
 @final

@@ -11,8 +11,8 @@ from pydantic.dataclasses import dataclass
 from scipy.interpolate import CubicSpline
 
 from benchbench.errors import BadInput
-from benchbench.motion import Motion
-from benchbench.plan import Array
+from benchbench.ocp.motion import Motion
+from benchbench.ocp.plan import Array
 
 FIELD = "scenario.target.csv"
 

@@ -15,8 +15,8 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import IncompatibleCase
-from benchbench.peer import Call, Peer, Racer, balls
-from benchbench.race.scenario import Race
+from benchbench.ocp.race import Race
+from benchbench.planning.peer import Call, Peer, Racer, balls
 
 MODULES = ("track", "quad", "integrator", "planner", "trajectory")
 GRAVITY = 9.801

@@ -14,8 +14,8 @@ import yaml  # type: ignore[import-untyped]
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import IncompatibleCase
-from benchbench.peer import Call, Peer, Racer, balls
-from benchbench.race.scenario import Race
+from benchbench.ocp.race import Race
+from benchbench.planning.peer import Call, Peer, Racer, balls
 
 
 @final

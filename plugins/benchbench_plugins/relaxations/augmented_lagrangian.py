@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.mpcc import PairKind
-from benchbench.relaxation import Relaxation, Relaxed, Schedule, Unknown
+from benchbench.mpcc.problem import PairKind
+from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule, Unknown
 
 
 @final

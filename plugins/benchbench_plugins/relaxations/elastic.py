@@ -10,8 +10,8 @@ from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput
-from benchbench.mpcc import PairKind
-from benchbench.relaxation import Relaxation, Relaxed, Schedule, Shared
+from benchbench.mpcc.problem import PairKind
+from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule, Shared
 
 T = ca.SX.sym("elastic")
 

@@ -7,8 +7,8 @@ from typing import ClassVar, final
 import casadi as ca
 from pydantic.dataclasses import dataclass
 
-from benchbench.mpcc import PairKind
-from benchbench.relaxation import Relaxation, Relaxed
+from benchbench.mpcc.problem import PairKind
+from benchbench.nlp.relaxation import Relaxation, Relaxed
 
 
 @final

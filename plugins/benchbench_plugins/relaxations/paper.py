@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.mpcc import PairKind
-from benchbench.relaxation import Relaxation, Relaxed, Unknown
+from benchbench.mpcc.problem import PairKind
+from benchbench.nlp.relaxation import Relaxation, Relaxed, Unknown
 
 DISTANCES = ("position", "ball")
 """Conditions that keep a distance: of a contact, and of a gate."""

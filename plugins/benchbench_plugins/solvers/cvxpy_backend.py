@@ -9,8 +9,8 @@ from typing import Annotated, Any, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.mpcc import Mpcc
-from benchbench.solver import TOLERANCE, Outcome, Point, Prepared, Setup, Solver
+from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.solver import TOLERANCE, Outcome, Point, Prepared, Setup, Solver
 from benchbench_plugins.solvers.cvxpy_backend_loop import Method, Rules
 from benchbench_plugins.solvers.cvxpy_backend_model import Model
 from benchbench_plugins.solvers.cvxpy_backend_qp import Subproblem, cvxpy

@@ -8,10 +8,10 @@ import casadi as ca
 import numpy as np
 from scipy import sparse
 
-from benchbench.assemble import Program, assemble
-from benchbench.blocks import Compile, Derivatives, derivatives
-from benchbench.mpcc import Block, Index, Mpcc, gather
-from benchbench.plan import Array
+from benchbench.mpcc.derivatives import Compile, Derivatives, derivatives
+from benchbench.mpcc.problem import Block, Index, Mpcc, gather
+from benchbench.nlp.program import Program, assemble
+from benchbench.ocp.plan import Array
 
 
 @dataclass(frozen=True)

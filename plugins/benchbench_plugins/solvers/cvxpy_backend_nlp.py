@@ -17,8 +17,8 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import IncompatibleCase, Unavailable
-from benchbench.mpcc import Block, Mpcc, evaluate
-from benchbench.solver import Claim, Outcome, Point, Prepared, Setup, Solver
+from benchbench.mpcc.problem import Block, Mpcc, evaluate
+from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Setup, Solver
 from benchbench_plugins.solvers.cvxpy_backend_atoms import Atoms
 from benchbench_plugins.solvers.cvxpy_backend_qp import cvxpy
 from benchbench_plugins.solvers.ipopt import Ipopt

@@ -10,8 +10,8 @@ import numpy as np
 from scipy import sparse
 
 from benchbench.errors import Unavailable
-from benchbench.mpcc import Index
-from benchbench.plan import Array
+from benchbench.mpcc.problem import Index
+from benchbench.ocp.plan import Array
 from benchbench_plugins.solvers.cvxpy_backend_model import Linear, Model
 
 

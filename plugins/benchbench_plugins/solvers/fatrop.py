@@ -7,9 +7,9 @@ from typing import Any, final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench.mpcc import Mpcc
-from benchbench.solver import TOLERANCE, Claim, Outcome, Point, Prepared, Setup, Solver
-from benchbench.stages import Stages, stages
+from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.solver import TOLERANCE, Claim, Outcome, Point, Prepared, Setup, Solver
+from benchbench.nlp.stages import Stages, stages
 from benchbench_plugins.solvers import casadi_nlp
 from benchbench_plugins.solvers.casadi_nlp import Backend
 
@@ -21,7 +21,7 @@ CLAIMS: dict[str, Claim] = {"0": "solved", "1": "failed", "-1": "failed"}
 class Fatrop(Solver):
     """Interior-point method with a stage-wise Riccati factorisation (Vanroye et al. 2023, arXiv:2303.16746).
 
-    The problem is brought into stages first (see `benchbench.stages`), with copies of durations and of the
+    The problem is brought into stages first (see `benchbench.nlp.stages`), with copies of durations and of the
     next node. `options` are FATROP's own and win. It has no time limit.
     """
 

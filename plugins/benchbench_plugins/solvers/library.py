@@ -3,7 +3,7 @@
 Only IPOPT and BONMIN take derivative functions as options. Every plugin, however, asks its oracle for named
 functions (nlp_f, nlp_jac_g, ...), and an oracle that is a library is asked for the symbol of that name. So
 the assembled derivatives are written as C that calls the compiled blocks, and linked against them: 0.8 s
-for N = 50 once, then cached. Blocks are compiled once for any N (see `benchbench.blocks`).
+for N = 50 once, then cached. Blocks are compiled once for any N (see `benchbench.mpcc.derivatives`).
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from pathlib import Path
 
 import casadi as ca
 
-from benchbench.assemble import Program
-from benchbench.blocks import FLAGS, cache_root, library
-from benchbench.mpcc import Mpcc
+from benchbench.mpcc.derivatives import FLAGS, cache_root, library
+from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.program import Program
 
 log = logging.getLogger(__name__)
 Signatures = Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]

@@ -8,8 +8,8 @@ from typing import Any, ClassVar, Literal, final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench.mpcc import Mpcc
-from benchbench.solver import Claim, Prepared, Setup, Solver
+from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.solver import Claim, Prepared, Setup, Solver
 from benchbench_plugins.solvers import ipopt, sleqp, uno
 from benchbench_plugins.solvers.pyomo_backend_model import build, pyomo
 from benchbench_plugins.solvers.pyomo_backend_run import by_casadi, by_executable

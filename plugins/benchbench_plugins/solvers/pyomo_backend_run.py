@@ -17,8 +17,8 @@ import casadi as ca
 import numpy as np
 
 from benchbench.errors import Unavailable
-from benchbench.plan import Array
-from benchbench.solver import Claim, Outcome, Point, Prepared
+from benchbench.nlp.solver import Claim, Outcome, Point, Prepared
+from benchbench.ocp.plan import Array
 from benchbench_plugins.solvers.casadi_nlp import COMMON, claim, function_times, quiet
 from benchbench_plugins.solvers.pyomo_backend_model import PyomoModel
 

@@ -7,8 +7,8 @@ from typing import Any, ClassVar, final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench.mpcc import Mpcc
-from benchbench.solver import TOLERANCE, Claim, Prepared, Setup, Solver
+from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.solver import TOLERANCE, Claim, Prepared, Setup, Solver
 from benchbench_plugins.solvers import casadi_nlp
 from benchbench_plugins.solvers.casadi_nlp import Backend
 

@@ -1,7 +1,7 @@
 """Tries a CasADi plugin that may be missing, without endangering this process.
 
 `python -m benchbench_plugins.solvers.trial` reads {"plugin": ..., "options": ...} (JSON) on stdin; see
-`benchbench.availability` for how it answers.
+`benchbench.nlp.availability` for how it answers.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from benchbench.availability import REFUSED, ask
 from benchbench.errors import Unavailable
+from benchbench.nlp.availability import REFUSED, ask
 
 
 def require(plugin: str, options: Mapping[str, Any], remedy: str) -> None:

@@ -9,8 +9,8 @@ from typing import final
 import casadi as ca
 import numpy as np
 
-from benchbench.assemble import Program
-from benchbench.solver import Progress, Setup
+from benchbench.nlp.program import Program
+from benchbench.nlp.solver import Progress, Setup
 
 
 @final

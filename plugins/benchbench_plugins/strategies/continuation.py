@@ -8,12 +8,12 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.case import Case, Ledger, Task
 from benchbench.errors import BadInput, IncompatibleCase
-from benchbench.homotopy import Path, Solved, homotopy
-from benchbench.mpcc import Mpcc
-from benchbench.relaxation import Relaxation
-from benchbench.strategy import Result, Strategy
+from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.homotopy import Path, Solved, homotopy
+from benchbench.nlp.relaxation import Relaxation
+from benchbench.planning.case import Case, Ledger, Task
+from benchbench.planning.strategy import Result, Strategy
 
 
 @final

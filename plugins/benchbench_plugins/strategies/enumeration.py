@@ -8,11 +8,11 @@ from typing import Annotated, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.case import Case, Ledger
-from benchbench.guess import first_plan
-from benchbench.margins import measured
-from benchbench.strategy import Result, Strategy
-from benchbench.windows import Windows, check_one_contact, coarser, solved_again
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import first_plan
+from benchbench.planning.margins import measured
+from benchbench.planning.strategy import Result, Strategy
+from benchbench.planning.windows import Windows, check_one_contact, coarser, solved_again
 
 
 @final

@@ -7,12 +7,12 @@ from typing import Literal, final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench.case import Case, Ledger
 from benchbench.certificate.audit import claimed
 from benchbench.errors import BadInput
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.strategy import Outside, Strategy
 from benchbench.storage.flight import plan_of
 from benchbench.storage.flight_csv import read_csv
-from benchbench.strategy import Outside, Strategy
 
 
 @final

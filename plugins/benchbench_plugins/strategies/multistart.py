@@ -9,8 +9,8 @@ from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
 from benchbench.analysis.wilson import wilson
-from benchbench.case import Case, Ledger
-from benchbench.strategy import Result, Strategy, judge, planned
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.strategy import Result, Strategy, judge, planned
 
 SAME = 1e-4
 """Optima whose costs differ by less than this share of them are one."""

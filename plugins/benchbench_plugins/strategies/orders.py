@@ -8,13 +8,13 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench import posing
-from benchbench.case import Case, Ledger
 from benchbench.certificate.race_bound import order_bound
 from benchbench.errors import BadInput
-from benchbench.race.scenario import Race
-from benchbench.search import Candidate, Found, best_first
-from benchbench.strategy import Result, Strategy, pose
+from benchbench.ocp.race import Race
+from benchbench.planning import posing
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.search import Candidate, Found, best_first
+from benchbench.planning.strategy import Result, Strategy, pose
 
 Order = tuple[int, ...]
 

@@ -7,12 +7,12 @@ from typing import Annotated, final
 from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
-from benchbench.case import Case, Ledger, Spent
 from benchbench.certificate.audit import claimed
 from benchbench.errors import BadInput
-from benchbench.peer import Peer, ask
-from benchbench.spending import cpu_s
-from benchbench.strategy import Outside, Strategy
+from benchbench.mpcc.spending import cpu_s
+from benchbench.planning.case import Case, Ledger, Spent
+from benchbench.planning.peer import Peer, ask
+from benchbench.planning.strategy import Outside, Strategy
 
 
 @final

@@ -8,12 +8,12 @@ from typing import Annotated, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench import posing
-from benchbench.case import Case, Ledger
-from benchbench.guess import Given
-from benchbench.margins import measured
-from benchbench.plan import Plan
-from benchbench.strategy import Result, Strategy, pose, retried
+from benchbench.ocp.plan import Plan
+from benchbench.planning import posing
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import Given
+from benchbench.planning.margins import measured
+from benchbench.planning.strategy import Result, Strategy, pose, retried
 
 
 @final

@@ -7,10 +7,10 @@ from typing import Annotated, final
 from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
-from benchbench.case import Case, Ledger
-from benchbench.margins import measured
-from benchbench.strategy import Result, Strategy, judge, planned
-from benchbench.windows import Windows, check_one_contact, solved_again
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.margins import measured
+from benchbench.planning.strategy import Result, Strategy, judge, planned
+from benchbench.planning.windows import Windows, check_one_contact, solved_again
 
 
 @final

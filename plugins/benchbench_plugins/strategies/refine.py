@@ -8,12 +8,12 @@ from typing import Annotated, final
 from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
-from benchbench.case import Case, Ledger
 from benchbench.errors import BadInput, IncompatibleCase
-from benchbench.guess import Given
-from benchbench.race.scenario import Race
-from benchbench.strategy import Result, Strategy, judge, planned
-from benchbench.validate import numbers
+from benchbench.ocp.race import Race
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import Given
+from benchbench.planning.strategy import Result, Strategy, judge, planned
+from benchbench.planning.validate import numbers
 
 
 @final

@@ -6,12 +6,12 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench import posing
-from benchbench.case import Case, Ledger, Task
-from benchbench.guess import first_plan
-from benchbench.homotopy import Solved, homotopy
-from benchbench.mpcc import Mpcc
-from benchbench.strategy import Result, Strategy, pose
+from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.homotopy import Solved, homotopy
+from benchbench.planning import posing
+from benchbench.planning.case import Case, Ledger, Task
+from benchbench.planning.guess import first_plan
+from benchbench.planning.strategy import Result, Strategy, pose
 
 
 @final

@@ -8,13 +8,13 @@ from typing import Annotated, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench import posing
-from benchbench.case import Case, Ledger
 from benchbench.certificate.bound import sequence_bound
-from benchbench.margins import BEST_ONLY, measured
-from benchbench.search import Candidate, Found, best_first
-from benchbench.stop import Stop
-from benchbench.strategy import Result, Strategy, pose
+from benchbench.ocp.stop import Stop
+from benchbench.planning import posing
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.margins import BEST_ONLY, measured
+from benchbench.planning.search import Candidate, Found, best_first
+from benchbench.planning.strategy import Result, Strategy, pose
 
 
 @final

@@ -6,10 +6,10 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench import posing
-from benchbench.case import Case, Ledger
-from benchbench.guess import first_plan
-from benchbench.strategy import Result, Strategy, from_phases, pose
+from benchbench.planning import posing
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import first_plan
+from benchbench.planning.strategy import Result, Strategy, from_phases, pose
 
 
 @final

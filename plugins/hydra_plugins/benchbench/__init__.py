@@ -53,7 +53,7 @@ class IsolatedLauncher(Launcher):
 
     def launch(self, job_overrides: Sequence[Sequence[str]], initial_job_idx: int) -> list[JobReturn]:
         """Run one job for each list of overrides. Raises TypeError for a task function that cannot sweep."""
-        from benchbench.overrides import implied
+        from benchbench.run.overrides import implied
         from benchbench.sweep.job import Job
 
         sweep: Any = getattr(self._task, "sweep", None)

@@ -1,0 +1,114 @@
+"""One call of the program: Hydra composes each combination, we run it, store it and say what came out."""
+
+from __future__ import annotations
+
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import hydra
+from hydra._internal.utils import get_args_parser
+from hydra.core.config_search_path import ConfigSearchPath
+from omegaconf import DictConfig
+
+from benchbench import __version__
+from benchbench.cli import commands
+from benchbench.errors import BadInput
+from benchbench.run import config, summary
+from benchbench.run.execution import BAD_INPUT, CERTIFIED, execute
+from benchbench.run.hydra_errors import EXPECTED, explained
+from benchbench.run.overrides import carried, implying
+from benchbench.sweep.job import Job
+from benchbench.sweep.single import isolated, limited
+from benchbench.sweep.sweep import Engine, here, sweep
+
+
+def start(arguments: Sequence[str]) -> int:
+    """Do what the command line asks and return the exit code."""
+    traced = "--traceback" in arguments
+    sys.argv[1:] = [a for a in arguments if a != "--traceback"]
+    try:
+        return _do(sys.argv[1:], traced)
+    except BrokenPipeError:
+        raise
+    except (*EXPECTED, OSError, ValueError) as error:  # Hydra says some of it with plain ValueErrors
+        if traced:
+            traceback.print_exception(error)
+        told = (
+            explained(error)
+            if isinstance(error, EXPECTED) or not isinstance(error, OSError)
+            else _file(error)
+        )
+        summary.complain("bad input", str(told))
+        return BAD_INPUT
+
+
+def _do(arguments: Sequence[str], traced: bool) -> int:
+    if arguments and arguments[0] in commands.names():
+        done = commands.run(arguments[0], arguments[1:])
+        if isinstance(done, int):
+            return done
+        sys.argv[1:] = arguments = done
+    options, unknown = get_args_parser().parse_known_args([a for a in arguments if a != "--version"])
+    if unknown:
+        raise BadInput(unknown[0], "there is no such option", "what --help shows")
+    if "--version" in arguments:
+        print(f"benchbench {__version__}")
+        return CERTIFIED
+    if options.help or not arguments:
+        print(summary.usage({f: _choices(f, options.config_dir) for f in config.KINDS}))
+    if options.help:
+        return CERTIFIED
+    if not arguments:
+        raise BadInput("scenario", "none was chosen", "+scenario=NAME with a NAME from the list above")
+    if options.multirun:
+        new = dict(zip(options.overrides, carried(options.overrides), strict=True))
+        sys.argv[1:] = [new.get(a, a) for a in arguments]
+    elif implying(options.overrides):
+        sys.argv += config.meant(options.overrides, options.config_dir)[len(options.overrides) :]
+    os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach us, we say them in one message
+    call = _Call(traced)
+    hydra.main(version_base="1.3", config_path=config.folder(), config_name="config")(call)()
+    if len(call.codes) > 1:
+        summary.count(call.codes.count(CERTIFIED), len(call.codes))
+    return max(call.codes, default=CERTIFIED)
+
+
+def _choices(family: str, more: str | None) -> list[str]:
+    """Names to choose from, with those in the folder given by --config-dir."""
+    own = [path.stem for path in Path(more, family).glob("*.yaml")] if more else []
+    return sorted({*config.choices(family), *own})
+
+
+def _file(error: OSError) -> BadInput:
+    if error.filename is None:  # a file that is open already, as on a full disk
+        return BadInput("output", f"cannot write: {error.strerror or error}", "a folder with free space")
+    path = Path(str(error.filename))
+    if path.is_file() and not os.access(path, os.R_OK):
+        return BadInput(str(path), f"cannot be read: {error.strerror}")
+    return BadInput("output", f"cannot write '{path}': {error.strerror}", "a folder you may write to")
+
+
+@dataclass
+class _Call:
+    """The runs of one call and how they ended, as exit codes; Hydra calls it for a single run."""
+
+    traced: bool
+    codes: list[int] = field(default_factory=list)
+
+    def __call__(self, cfg: DictConfig) -> None:
+        """Run the one configuration there is."""
+        ended = isolated(cfg) if limited(cfg) else execute(cfg)
+        self.codes.append(ended.code)
+        for complaint in ended.complaints:
+            summary.complain(complaint.kind, complaint.text, complaint.trace if self.traced else "")
+        if ended.record is not None and not ended.complaints:
+            summary.show(ended.record, ended.paths)
+
+    def sweep(self, jobs: Sequence[Job], search_path: ConfigSearchPath, engine: Engine = here) -> list[int]:
+        """Run all combinations, each in a process of its own; called by our Hydra launchers."""
+        self.codes += sweep(jobs, search_path, self.traced, engine)
+        return self.codes[-len(jobs) :]

@@ -1,0 +1,115 @@
+"""`benchbench best DIR...`: the certified plans of some runs, merged into the file of best known values."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from benchbench.cli.arguments import Parser
+from benchbench.errors import BadInput
+from benchbench.run.summary import complain
+
+if TYPE_CHECKING:
+    from benchbench.storage.best_known import Entry
+    from benchbench.storage.schema import Record
+
+EPILOG = """Only certified plans count, and only those better by more than 1e-6 of the travel time. A plan whose command line
+does not give its task again (own YAML, another default) is left out and named.
+
+examples
+  benchbench best results/runs/2026-01-01/12-00-00-000000
+  benchbench best results --file mine.yaml
+
+Runs look up the file that comes with BenchBench and best_known.yaml in their folder of results (`output`).
+"""
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Merge and print what changed; raises BadInput."""
+    from benchbench.storage.best_known import BestKnown
+
+    asked = _parser().parse_args(arguments)
+    entries = dict(BestKnown.load(asked.file).entries)
+    changed = 0
+    for record, folder in _runs(asked.folders):
+        new = _better(record, folder, entries)
+        if new is not None:
+            print(_told(new, entries.get(new["task_hash"])))
+            entries[new["task_hash"]] = new
+            changed += 1
+    if changed:
+        BestKnown(entries).save(asked.file)
+    print(f"{changed or 'nothing'} changed; {len(entries)} values in {asked.file}")
+    return 0
+
+
+def _better(record: Record, folder: Path, entries: dict[str, Entry]) -> Entry | None:
+    """What a certified record adds to the entries, None where it adds nothing."""
+    from benchbench.storage.best_known import beats, entry, net_time
+
+    old, time = entries.get(record["task_hash"]), net_time(record)
+    best = None if old is None else float(old["travel_time_s"])
+    if time is None or not beats(time, best):
+        return None
+    try:
+        return entry(record, _command(record, folder))
+    except BadInput as error:
+        complain("left out", str(error))
+        return None
+
+
+def _runs(folders: Sequence[Path]) -> Iterator[tuple[Record, Path]]:
+    """Certified records with a task, and their folders; raises BadInput for a folder without any record."""
+    from benchbench.storage.collect import collect
+
+    found = collect(folders)
+    for path, problem in found.problems.items():
+        complain("left out", f"{path}: {problem}")
+    runs = [(r, f) for r, f in zip(found.rows.to_pylist(), found.folders, strict=True) if f is not None]
+    for folder in folders:
+        if not any(place.resolve().is_relative_to(folder.resolve()) for _, place in runs):
+            raise BadInput(str(folder), "has no record of a run", "a run's folder, or folders with some")
+    yield from ((r, f) for r, f in runs if r["certified"] and r["task_hash"])
+
+
+def _command(record: Record, folder: Path) -> str:
+    """Overrides that give the record's task again; raises BadInput where they do not."""
+    from omegaconf import OmegaConf
+
+    from benchbench.planning.case import Case
+    from benchbench.run import config
+    from benchbench.run.settings import NOT_DECISIVE
+
+    file = folder / ".hydra" / "overrides.yaml"
+    if not file.is_file():
+        raise BadInput(str(folder), "has no .hydra/overrides.yaml, so nobody knows how it was made")
+    said: Any = OmegaConf.to_container(OmegaConf.load(file))
+    told = [text for text in said if text.split("=")[0].lstrip("+~") not in NOT_DECISIVE]
+    case = config.compose_any(*told)
+    if not isinstance(case, Case) or case.task_hash != record["task_hash"]:
+        raise BadInput(str(folder), f"'{shlex.join(told)}' is another task than the one of this run")
+    return shlex.join(told)
+
+
+def _told(new: Entry, old: Entry | None) -> str:
+    kappa = f", kappa_init = {new['kappa_init']}" if "kappa_init" in new else ""
+    what = (
+        f"{new['scenario']}, {new['dynamics']}, N = {new['intervals']}{kappa}: {new['travel_time_s']:.6f} s"
+    )
+    if old is None:
+        return f"{what}, the first"
+    return f"{what}, was {old['travel_time_s']:.6f} s ({100 * (new['travel_time_s'] / old['travel_time_s'] - 1):+.4f} %)"
+
+
+def _parser() -> Parser:
+    from benchbench.storage.best_known import BEST_KNOWN
+
+    parser = Parser("best", "Merge certified plans into the file of best known values.", EPILOG)
+    parser.add_argument(
+        "folders", nargs="+", type=Path, metavar="DIR", help="a run's folder, or folders with runs"
+    )
+    default = Path("results", BEST_KNOWN)
+    parser.add_argument("--file", type=Path, default=default, help=f"what is updated (default: {default})")
+    return parser

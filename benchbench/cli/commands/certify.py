@@ -1,0 +1,62 @@
+"""`benchbench certify PLAN.csv --scenario NAME [OVERRIDE ...]`: judge a plan that anybody made, by our certificate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchbench.cli.arguments import Parser
+from benchbench.errors import BadInput
+
+EPILOG = """The plan is flown again and judged like our own, and recorded with its picture. The exit code is 0 when it is
+certified, 1 when not, 2 for bad input. The columns of the file stand in docs/foreign_plans.md.
+
+examples
+  benchbench certify plan.csv --scenario race scenario.gates=3 --name my_planner
+  benchbench certify plan.csv --scenario circle scenario.kappa_init=5
+"""
+
+
+def run(arguments: Sequence[str]) -> int | list[str]:
+    """Return what it is short for; raises BadInput."""
+    asked, overrides = _parser().parse_known_args(arguments)
+    if asked.plan is None:
+        raise BadInput("plan", "none was given", "the path of a CSV file")
+    if not Path(asked.plan).is_file():
+        raise BadInput(asked.plan, "there is no such file", "a CSV file with a plan")
+    given = any(o.startswith("+scenario=") for o in overrides)
+    if (asked.scenario is None) is not given:
+        problem = "is chosen twice" if given else "none was chosen"
+        raise BadInput("--scenario", problem, "--scenario NAME")
+    scenario = [] if given else [f"+scenario={asked.scenario}"]
+    form = [f"strategy.interpolation={asked.interpolation}"]
+    file, name = (_quoted(text) for text in (asked.plan, asked.name))
+    return [
+        *scenario,
+        *overrides,
+        "strategy=foreign",
+        f"strategy.file={file}",
+        f"strategy.planner={name}",
+        *form,
+    ]
+
+
+def _quoted(text: str) -> str:
+    """A value as Hydra's grammar wants any text."""
+    return "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"
+
+
+def _parser() -> Parser:
+    parser = Parser("certify", "Judge a plan from a CSV file by our certificate.", EPILOG)
+    parser.add_argument("plan", nargs="?", metavar="PLAN.csv", help="the plan")
+    parser.add_argument("--scenario", metavar="NAME", help="the task it is for")
+    parser.add_argument(
+        "--name", default="foreign", help="who made it, as the solver of the record (default: foreign)"
+    )
+    parser.add_argument(
+        "--interpolation",
+        choices=["hold", "linear"],
+        default="hold",
+        help="of the inputs: those of a row until the next (default), or from row to row",
+    )
+    return parser  # fmt: skip

@@ -1,0 +1,103 @@
+"""`benchbench regress [--baseline DIR] [--update] [OVERRIDE ...]`: has anything become worse?"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import track
+from rich.table import Table
+
+from benchbench.cli.arguments import Parser
+from benchbench.errors import BadInput
+from benchbench.regression import baseline
+from benchbench.regression.compare import Change, compare
+from benchbench.regression.matrix import Matrix
+from benchbench.regression.measure import Entry, measure
+from benchbench.regression.reference import Reference
+
+STYLE = {"same": "", "better": "green", "WORSE": "bold red"}
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Return 0 if nothing became worse, 1 otherwise; raises BadInput."""
+    asked = _parser().parse_args(arguments)
+    if os.environ.get("OMP_NUM_THREADS") != "1":  # libraries read it when they are loaded
+        command = [sys.executable, "-m", "benchbench", "regress", *arguments]
+        return subprocess.run(command, env={**os.environ, "OMP_NUM_THREADS": "1"}, check=False).returncode
+    folder = Path(asked.baseline)
+    matrix = Matrix.load(folder)
+    made, old = ({}, {}) if asked.update else baseline.load(folder)
+    _check_names(matrix, old, asked.update)
+    entries = _measure_all(matrix, asked.overrides)
+    if asked.update:
+        print(f"baseline of {len(entries)} cases written to {baseline.save(folder, entries)}")
+        return 0
+    changes = [c for name, now in entries.items() for c in compare(name, old[name], now, matrix.gates)]
+    return _report(
+        changes, f"against {made.get('git_commit') or made.get('benchbench_version')} on {made.get('cpu')}"
+    )
+
+
+def _parser() -> Parser:
+    parser = Parser("regress", "Has anything become worse? See docs/regression.md.")
+    parser.add_argument(
+        "--baseline",
+        default="results/baseline",
+        metavar="DIR",
+        help="folder of matrix.yaml and baseline.json",
+    )
+    parser.add_argument("--update", action="store_true", help="measure and store a new baseline")
+    parser.add_argument(
+        "overrides", nargs="*", metavar="OVERRIDE", help="overrides for every case, as in the main command"
+    )
+    return parser
+
+
+def _check_names(matrix: Matrix, old: dict[str, Entry], update: bool) -> None:
+    if not update and set(matrix.cases) != set(old):
+        differ = ", ".join(sorted(set(matrix.cases) ^ set(old)))
+        raise BadInput(
+            "--baseline", f"matrix.yaml and baseline.json differ in {differ}", "--update to store it anew"
+        )
+
+
+def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> dict[str, Entry]:
+    reference = Reference()
+    reference.cpu_s()
+    console = Console(stderr=True)
+    names = track(matrix.cases, "regression matrix", console=console, disable=not console.is_terminal)
+    return {
+        name: measure([*matrix.cases[name], *matrix.common, *overrides], matrix.repeats, reference)
+        for name in names
+    }
+
+
+def _report(changes: Sequence[Change], title: str) -> int:
+    worse = [c for c in changes if c.verdict == "WORSE"]
+    told = Table(title=title)
+    for heading in ("case", "what", "was", "now", "change", "verdict", "gate"):
+        told.add_column(heading, overflow="fold")
+    for c in changes:
+        if c.moved or c.what == "solve / reference":
+            change = "" if c.change is None else f"{c.change:+.1%}"
+            told.add_row(c.case, c.what, c.was, c.now, change, c.verdict, c.note, style=STYLE[c.verdict])
+    console = Console(width=None if sys.stdout.isatty() else 140)
+    console.print(told)
+    counts = {verdict: sum(c.verdict == verdict for c in changes) for verdict in STYLE}
+    within = sum(c.moved for c in changes if c.verdict == "same")
+    console.print(
+        f"{counts['same'] - within} numbers the same, {within} changed within their gates, "
+        f"{counts['better']} better, {counts['WORSE']} worse",
+        highlight=False, soft_wrap=True,
+    )  # fmt: skip
+    for c in worse:
+        where = f"{c.case}: {c.what} was {c.was}, is {c.now}"
+        console.print(
+            where + (f" ({c.change:+.1%})" if c.change is not None else ""), highlight=False, soft_wrap=True
+        )
+    return 1 if worse else 0

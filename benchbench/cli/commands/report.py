@@ -1,0 +1,51 @@
+"""`benchbench report DIR...`: all runs below some folders as one HTML file that needs no network."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchbench.cli.arguments import Parser
+from benchbench.errors import BadInput, Unavailable
+from benchbench.run.summary import complain
+from benchbench.storage.files import write_bytes
+
+PLANS = 12
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Write the report and say where it is; raises BadInput."""
+    asked = _parser().parse_args(arguments)
+    if asked.plans < 0:
+        raise BadInput("--plans", f"{asked.plans} was given", "a number of at least 0")
+    try:
+        from benchbench.cli.report_content import content
+        from benchbench.report.html.page import render
+    except ModuleNotFoundError as error:
+        raise Unavailable(
+            f"report: {error.name} is not installed; pip install 'benchbench[report]'"
+        ) from None
+    report = content(asked.folders, asked.title, asked.plans)
+    for path, problem in report.problems.items():
+        complain("left out", f"{path}: {problem}")
+    write_bytes(asked.output, render(report).encode())
+    size = asked.output.stat().st_size / 1e6
+    print(f"{len(report.runs)} runs, {len(report.plans)} plans in {asked.output} ({size:.1f} MB)")
+    return 0
+
+
+def _parser() -> Parser:
+    parser = Parser("report", "Write one HTML file about all runs below the folders; it needs no network.")
+    parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="folders with results")
+    parser.add_argument(
+        "--output", type=Path, default=Path("report.html"), metavar="FILE", help="default: report.html"
+    )
+    parser.add_argument(
+        "--plans",
+        type=int,
+        default=PLANS,
+        metavar="N",
+        help=f"largest number of plans that are shown, best first (default: {PLANS})",
+    )
+    parser.add_argument("--title", help="default: the names of the folders")
+    return parser  # fmt: skip

@@ -1,0 +1,100 @@
+"""`benchbench table [DIR...]`: all runs below some folders as Parquet, CSV, Markdown or LaTeX."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from benchbench.cli.arguments import Parser
+from benchbench.errors import BadInput, unknown_field
+from benchbench.run.summary import complain
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+SHORT = (
+    "scenario", "intervals", "kappa_init", "dynamics", "relaxation", "solver", "strategy", "status",
+    "travel_time_s", "gap_percent", "iterations", "solve_cpu_s", "replay_defect_position_m",
+)  # fmt: skip
+"""Columns that fit on a page, for the formats people read."""
+READ_BY_PEOPLE = ("markdown", "latex")
+
+EXAMPLES = """examples
+  benchbench table                                            short Markdown table of all runs below results
+  benchbench table results other --output runs.parquet        every column
+  benchbench table --query "select solver, avg(solve_cpu_s) as s from runs where certified group by solver"
+"""
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Write the table to a file or stdout; raises BadInput."""
+    from benchbench.storage.collect import collect
+    from benchbench.storage.describe import describe
+    from benchbench.storage.files import write_bytes
+    from benchbench.storage.formats import WRITERS
+    from benchbench.storage.query import query
+
+    asked = _parser().parse_args(arguments)
+    if asked.describe:
+        sys.stdout.write(describe())
+        return 0
+    kind = _format(asked.format, asked.output)
+    found = collect(asked.folders)
+    for path, problem in found.problems.items():
+        complain("left out", f"{path}: {problem}")
+    rows = found.rows if asked.query is None else query(found.rows, asked.query)
+    short = kind in READ_BY_PEOPLE and asked.query is None
+    rows = _choose(rows, asked.columns or (",".join(SHORT) if short else "all"))
+    data = WRITERS[kind](rows)
+    if asked.output:
+        write_bytes(asked.output, data)
+        print(f"{rows.num_rows} rows in {asked.output}")
+    else:
+        sys.stdout.flush()
+        sys.stdout.buffer.write(data)
+    return 0
+
+
+def _parser() -> Parser:
+    parser = Parser("table", "Write all runs below the folders as one table, a run per row.", EXAMPLES)
+    parser.add_argument(
+        "folders",
+        nargs="*",
+        type=Path,
+        default=[Path("results")],
+        metavar="DIR",
+        help="folders with results (default: results)",
+    )
+    parser.add_argument(
+        "--format",
+        choices=["parquet", "csv", "markdown", "latex"],
+        help="default: what the name of the output asks for, else markdown",
+    )
+    parser.add_argument("--output", type=Path, metavar="FILE", help="default: standard output")
+    parser.add_argument(
+        "--columns",
+        metavar="A,B,...",
+        help="columns to write, or all (default: all, a short choice for markdown and latex)",
+    )
+    parser.add_argument("--query", metavar="SQL", help="DuckDB SQL over the table 'runs'")
+    parser.add_argument("--describe", action="store_true", help="print what the columns mean")
+    return parser  # fmt: skip
+
+
+def _format(asked: str | None, output: Path | None) -> str:
+    from benchbench.storage.formats import format_of
+
+    kind = asked or (format_of(output) if output else "markdown")
+    if kind == "parquet" and output is None and sys.stdout.isatty():
+        raise BadInput("--output", "Parquet is nothing to read on a terminal", "a file name")
+    return kind
+
+
+def _choose(rows: pa.Table, columns: str) -> pa.Table:
+    names = rows.column_names if columns == "all" else [name.strip() for name in columns.split(",")]
+    for name in names:
+        if name not in rows.column_names:
+            raise unknown_field(f"--columns {name}", rows.column_names)
+    return rows.select(names)

@@ -1,0 +1,27 @@
+"""The program: `python -m benchbench +scenario=circle solver=ipopt`; exit code 0 certified, 1 not, 2 bad input."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+from benchbench.cli import interrupt
+
+BROKEN_PIPE = 141
+"""What a shell reports for a program whose reader went away, as in `benchbench ... | head`."""
+
+
+def main() -> None:
+    """Entry point of the console script and of `python -m benchbench`; never returns, exits with a code."""
+    interrupt.take_over()
+    try:
+        from benchbench.cli.application import start  # imports everything; Ctrl-C is heard by now
+
+        code = start(sys.argv[1:])
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        interrupt.leave()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for Python's own flush at exit
+        code = BROKEN_PIPE
+    raise SystemExit(code)

@@ -1,0 +1,125 @@
+"""What a report shows, gathered from folders of results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from omegaconf import OmegaConf
+
+from benchbench.analysis.costs import solve_time
+from benchbench.analysis.naming import flatten, name_runs
+from benchbench.errors import BadInput
+from benchbench.ocp.race import Race
+from benchbench.report.contact_window import contact_windows
+from benchbench.report.html.page import PlanView, Report
+from benchbench.report.html.plans.limits import limits
+from benchbench.report.html.plans.view import view
+from benchbench.report.limits_panel import contact_panels, limit_panels
+from benchbench.report.race_panels import race_panels
+from benchbench.report.views import scene
+from benchbench.run import config
+from benchbench.run.failure import reason
+from benchbench.storage.collect import collect
+from benchbench.storage.configuration import configuration
+from benchbench.storage.files import PLAN
+from benchbench.storage.playback import read_mcap
+from benchbench.storage.schema import Record
+from benchbench.storage.table import PANDAS
+
+FACTS = {
+    "travel time": ("travel_time_s", 1.0, "s"), "lower bound": ("lower_bound_s", 1.0, "s"),
+    "best known": ("best_known_s", 1.0, "s"), "above it": ("gap_percent", 1.0, "%"),
+    "iterations": ("iterations", 1.0, ""), "solver": ("solve_cpu_s", 1.0, "s CPU"),
+    "error of one interval": ("replay_defect_position_m", 1e3, "mm"),
+    "drift of the replay": ("replay_drift_position_m", 1e3, "mm"), "beyond a gate's edge": ("gate_worst_miss_m", 1e3, "mm"),
+    "distance in contact": ("contact_max_distance_m", 1e3, "mm"),
+    "relative speed in contact": ("contact_max_speed_gap_mps", 1e3, "mm/s"),
+}  # fmt: skip
+"""What is said of a plan: column, factor, unit."""
+
+
+def content(folders: Sequence[Path], title: str | None, most: int) -> Report:
+    """Read the runs and at most `most` of their plans; raises BadInput where there is no run."""
+    found = collect(folders)
+    if not found.rows.num_rows:
+        problem = f"no run was found{', only files that cannot be used' if found.problems else ''}"
+        raise BadInput(", ".join(map(str, folders)), problem, "folders with results, as runs write them")
+    trees = [configuration(folder) for folder in found.folders]
+    settings = [None if tree is None else flatten(tree) for tree in trees]
+    runs = name_runs(found.rows.to_pandas(types_mapper=PANDAS.get), settings)
+    runs = runs.assign(solve_s=solve_time(runs))
+    records = found.rows.to_pylist()
+    plans, missing = [], []
+    candidates = [i for i in best_first(runs) if _has_plan(found.folders[i])]
+    for i in candidates[:most]:
+        try:
+            plans.append(
+                plan_view(records[i], f"{runs.problem[i]}: {runs.method[i]}", found.folders[i], trees[i])
+            )
+        except Exception as error:  # noqa: BLE001  # it was written by another version, plugin or program
+            told = str(error) if isinstance(error, (OSError, ValueError)) else reason(error)
+            missing.append(f"The plan of {records[i]['run_id']} is not shown: {told}")
+    if len(candidates) > most:
+        missing.append(
+            f"{most} of {len(candidates)} plans are shown, the best of each problem first; --plans shows more."
+        )
+    if not candidates:
+        missing.append("No run has a recorded plan.")
+    names = ", ".join(folder.resolve().name for folder in folders)
+    return Report(title or f"Report on {names}", runs, settings, plans, missing, found.problems)
+
+
+def best_first(runs: pd.DataFrame) -> list[int]:
+    """Positions of the runs: certified ones first, then by their rank in travel time within their problem."""
+    certified = runs.certified.fillna(False).astype(bool)
+    times = runs.travel_time_s.astype(float).fillna(float("inf"))
+    rank = times.groupby([runs.problem, certified]).rank(method="first")
+    order = pd.DataFrame({"rejected": ~certified, "rank": rank, "time": times})
+    return order.reset_index(drop=True).sort_values(["rejected", "rank", "time"]).index.tolist()
+
+
+def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, Any] | None) -> PlanView:
+    """Make the views of a recorded plan.
+
+    Raises ValueError for a recording that cannot be used, BadInput for a scenario or vehicle that cannot be
+    built here, for example since a plugin is not installed.
+    """
+    recording = read_mcap(Path(folder or "", PLAN))
+    if tree is None:
+        raise ValueError("its configuration is missing")
+    scenario, model = config.scene_parts(OmegaConf.create(tree))
+    plan, flight = recording.plan, recording.flight
+    if isinstance(scenario, Race):
+        panels = race_panels(plan, scenario, model, flight)
+    else:
+        panels = [
+            *contact_panels(plan, scenario, model, flight),
+            *limit_panels(plan, scenario, model, flight),
+        ]
+    windows = [(float(plan.time[a]), float(plan.time[b])) for a, b in contact_windows(plan)]
+    return PlanView(
+        run_id=str(record["run_id"]),
+        title=title,
+        certified=record["certified"] is True,
+        reasons=record["reasons"] or (),
+        advice=record["advice"] or "",
+        facts=_facts(record),
+        view=view(scene(plan, scenario, model, flight)),
+        limits=limits(panels, windows, plan.travel_time),
+        config=OmegaConf.to_yaml(OmegaConf.create(tree)),
+    )
+
+
+def _has_plan(folder: Path | None) -> bool:
+    return folder is not None and (folder / PLAN).is_file()
+
+
+def _facts(record: Record) -> dict[str, str]:
+    return {
+        name: f"{record[column] * factor:.4g} {unit}".rstrip()
+        for name, (column, factor, unit) in FACTS.items()
+        if record[column] is not None
+    }

@@ -1,0 +1,1 @@
+"""Task, dynamics and contacts as one MPCC."""

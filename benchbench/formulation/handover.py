@@ -1,0 +1,249 @@
+"""From a case to the three problems a handover can be posed as: free contact, fixed window, phases."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import casadi as ca
+import numpy as np
+
+from benchbench.errors import IncompatibleCase
+from benchbench.formulation import open_order
+from benchbench.mpcc.problem import Block, Mpcc
+from benchbench.ocp.contact import Coupling, progress_index
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.stop import Itinerary, Stop, spread
+from benchbench.planning.case import Case
+from benchbench.transcription.dynamics import Grid, Phase, Trajectory
+from benchbench.transcription.nodal import durations
+
+SHORTEST = 1e-4
+"""Shortest duration of a phase in s."""
+WHOLE = 0.5
+"""A guess whose progress index is nowhere above this share of a step says that, but not when, there is contact."""
+
+TO_CONTACT = 13 / 12
+"""Intervals of a leg that ends in a contact over those of the last leg: 52 to 48 for one contact. What is flown before a
+contact must be flown more accurately than what comes after it."""
+
+CONTACT_STEP = 0.06
+"""Longest interval of a contact in s. Its conditions are kept at nodes: over 0.11 s (N = 25) the relative speed in between
+reaches 0.05 m/s where 0.015 are allowed, over 0.055 s (N = 50) it stays below."""
+
+Windows = Mapping[str, tuple[int, ...]]
+"""Nodes in contact by the name of the stop."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """An MPCC and how to read its unknowns; `contact` are the nodes in contact by stop when they are fixed."""
+
+    mpcc: Mpcc
+    trajectory: Trajectory
+    contact: Windows | None
+    stops: tuple[Stop, ...] = ()
+
+    def decode(self, values: dict[str, Array]) -> Plan:
+        """Turn named values into a plan with its progress index for every stop."""
+        nodes = self.trajectory.grid.intervals + 1
+        plan = self.trajectory.decode(values, np.zeros(nodes))
+        progress = np.stack([self._progress(stop, values) for stop in self.stops], axis=-1)
+        return replace(plan, progress=progress, stop_names=tuple(stop.name for stop in self.stops))
+
+    def _progress(self, stop: Stop, values: dict[str, Array]) -> Array:
+        if self.contact is None:
+            return progress_index(values[f"{stop.prefix}kappa"])
+        progress = np.zeros(self.trajectory.grid.intervals + 1)
+        progress[list(self.contact.get(stop.name, ()))] = 1.0
+        return progress
+
+
+def free_contact(case: Case, start: Plan) -> Problem:
+    """The paper's DMCC: one step size, progress variables, complementarity; guessed from a plan."""
+    base, trajectory = _flight(case, start)
+    itinerary = case.scenario.itinerary
+    mpcc = base + open_order.by_progress(
+        itinerary, [_coupling(case, trajectory, stop) for stop in itinerary.stops]
+    )
+    guess = {f"{stop.prefix}kappa": _kappa(start, trajectory, stop) for stop in itinerary.stops}
+    if itinerary.visit != "all":
+        guess[open_order.MADE] = np.array(
+            [guess[f"{s.prefix}kappa"][:1] / s.kappa_init for s in itinerary.stops]
+        )
+    return Problem(mpcc.start_from(guess), trajectory, None, itinerary.stops)
+
+
+def fixed_window(case: Case, start: Plan, nodes: Sequence[int]) -> Problem:
+    """One step size, contact with the only stop imposed at the given nodes: smooth."""
+    return fixed_windows(case, start, {case.scenario.itinerary.stops[0].name: tuple(nodes)})
+
+
+def fixed_windows(case: Case, start: Plan, contact: Windows) -> Problem:
+    """One step size, contact with each stop that is named imposed at its nodes: smooth."""
+    base, trajectory = _flight(case, start)
+    return _at_windows(case, base, trajectory, contact)
+
+
+def nearest_held(case: Case, start: Plan) -> Problem:
+    """The same at the nodes nearest to a plan's contacts."""
+    return fixed_windows(case, start, nearest_windows(case, start))
+
+
+def phases(case: Case, start: Plan) -> Problem:
+    """Approach, contact, transfer to the next contact, ..., leave with own step sizes: smooth.
+
+    The stops are those that `start` claims, in its order. Each contact lasts its `contact_seconds`, or
+    kappa_init - 1 average steps, so that it means the same as in the paper's form; for kappa_init = 1 it is one
+    node between the phases. Raises IncompatibleCase for a start that claims no stop where one has to be made.
+    """
+    itinerary = case.scenario.itinerary
+    made = claimed_stops(itinerary, start)
+    if not made and not itinerary.may_skip_all:
+        fault = f"the start from '{case.names['guess']}' touches none of {', '.join(itinerary.names)}"
+        raise IncompatibleCase("guess", fault, "one with a contact, such as simple; or strategy=relax")
+    grid, contact, averaged = phase_grid(case, start, made)
+    base, trajectory = case.dynamics.transcribe(case.scenario, case.model, grid)
+    problem = _at_windows(case, base.start_from(trajectory.encode(start)), trajectory, contact)
+    steps = (_average_steps(grid, phase, stop) for phase, stop in averaged)
+    return replace(problem, mpcc=sum(steps, problem.mpcc))
+
+
+def phase_grid(case: Case, start: Plan, made: Sequence[Stop]) -> tuple[Grid, Windows, list[tuple[int, Stop]]]:
+    """Time axis of the phases, as long as in a plan that makes these stops, else spread over its travel time.
+
+    Also returns the nodes of each contact, and which phases are contacts whose duration is a number of steps.
+    """
+    scenario, found, travel_time = case.scenario, list[Phase](), start.travel_time
+    contact: dict[str, tuple[int, ...]] = {}
+    averaged: list[tuple[int, Stop]] = []
+    longest = scenario.travel_time[1]
+    inside = [_contact_intervals(stop, scenario.intervals / travel_time, scenario.intervals) for stop in made]
+    flown = scenario.intervals - sum(inside)
+    legs = np.diff(np.rint(flown * np.cumsum([0.0, *_leg_shares(len(made))])).astype(int))
+    marks = np.array([0.0, *_contact_times(case, start, made), travel_time])
+    names = ["approach", *(f"transfer_to_{stop.name}" for stop in made[1:]), "leave"]
+    for i, stop in enumerate(made):
+        found.append(Phase(names[i], int(legs[i]), SHORTEST, longest, marks[i + 1] - marks[i]))
+        first = sum(phase.intervals for phase in found)
+        contact[stop.name] = tuple(range(first, first + inside[i] + 1))
+        if not inside[i]:
+            continue
+        seconds = stop.contact_seconds
+        guess = (stop.kappa_init - 1) * travel_time / scenario.intervals if seconds is None else seconds
+        low, high = (SHORTEST, longest) if seconds is None else (seconds, seconds)
+        if seconds is None:
+            averaged.append((len(found), stop))
+        found.append(Phase(f"{stop.prefix}contact", inside[i], low, high, guess))
+    last = names[len(made)] if made else "flight"
+    found.append(Phase(last, int(legs[-1]), SHORTEST, longest, marks[-1] - marks[-2]))
+    return Grid(tuple(found)), contact, averaged
+
+
+def _contact_intervals(stop: Stop, per_second: float, total: int) -> int:
+    """Intervals of a contact: between kappa_init nodes, and where it lasts for seconds, no longer than the average.
+
+    On a coarse grid more, so that none is longer than `CONTACT_STEP`, up to a quarter of all.
+    """
+    if stop.contact_seconds is None:
+        steps = stop.kappa_init - 1
+        return max(steps, min(int(np.ceil(steps / per_second / CONTACT_STEP)), total // 4))
+    wanted = min(int(np.ceil(stop.contact_seconds * per_second)), total // 4)
+    return max(stop.kappa_init - 1, wanted, 1)
+
+
+def _leg_shares(stops: int) -> Array:
+    """Shares of the intervals for each leg, (stops + 1,): a leg that ends in a contact has more than the last one."""
+    weights = np.array([TO_CONTACT] * stops + [1.0])
+    return weights / weights.sum()
+
+
+def _contact_times(case: Case, start: Plan, made: Sequence[Stop]) -> Array:
+    """When a plan makes these stops, (stops,) s: the middle of each contact, where it claims them in this order."""
+    names = [stop.name for stop in made]
+    found = [start.contact(start.stop_names.index(name)) for name in names if name in start.stop_names]
+    times = [float(start.time[list(nodes)].mean()) for nodes in found if nodes is not None]
+    if len(times) == len(made) and np.all(np.diff([0.0, *times, start.travel_time]) > SHORTEST):
+        return np.array(times)
+    return start.travel_time * spread(len(made), case.scenario.contact_guess)
+
+
+def nearest_window(plan: Plan, trajectory: Trajectory, count: int, stop: str = "") -> tuple[int, ...]:
+    """The `count` consecutive nodes of a one-phase grid whose middle is nearest to the plan's contact.
+
+    stop: whose contact, by name; the plan's first one if not given.
+    """
+    progress = plan.claims[:, plan.stop_names.index(stop) if stop else 0]
+    claimed = plan.time[progress > 0.5 * progress.max()]
+    middle = (claimed[0] + claimed[-1]) / 2
+    time = trajectory.grid.time_weights @ trajectory.encode(plan)["T"].ravel()
+    last = trajectory.grid.intervals - count
+    first = int(np.argmin(np.abs((time[: last + 1] + time[count - 1 : count + last]) / 2 - middle)))
+    return tuple(range(first, first + count))
+
+
+def nearest_windows(case: Case, plan: Plan) -> Windows:
+    """The nearest window of the one-phase grid for every stop that a plan makes."""
+    _, trajectory = _flight(case, plan)
+    return {
+        stop.name: nearest_window(plan, trajectory, stop.kappa_init, stop.name)
+        for stop in claimed_stops(case.scenario.itinerary, plan)
+    }
+
+
+def claimed_stops(itinerary: Itinerary, plan: Plan) -> tuple[Stop, ...]:
+    """The stops that a plan makes, in its order."""
+    first = {
+        stop: int(np.argmax(_claims(plan, stop.name) > WHOLE))
+        for stop in itinerary.stops
+        if stop.name in plan.stop_names and _claims(plan, stop.name).max() > WHOLE
+    }
+    return tuple(sorted(first, key=lambda stop: first[stop]))
+
+
+def _claims(plan: Plan, stop: str) -> Array:
+    return plan.claims[:, plan.stop_names.index(stop)]
+
+
+def _kappa(start: Plan, trajectory: Trajectory, stop: Stop) -> Array:
+    """Guess of kappa (N + 1,): the nearest window, or where a plan only spreads its progress, as it does."""
+    nodes = trajectory.grid.intervals
+    progress = _claims(start, stop.name)
+    if progress.max() > WHOLE:
+        window = nearest_window(start, trajectory, stop.kappa_init, stop.name)
+        return stop.kappa_init - np.concatenate([[0.0], np.cumsum(np.isin(np.arange(nodes), window))])
+    to_come = np.cumsum(progress[::-1])[::-1]
+    share = np.linspace(0.0, start.travel_time, nodes + 1)
+    return np.interp(share, start.time, to_come)
+
+
+def _flight(case: Case, start: Plan) -> tuple[Mpcc, Trajectory]:
+    scenario = case.scenario
+    grid = Grid((Phase("flight", scenario.intervals, *scenario.travel_time, start.travel_time),))
+    base, trajectory = case.dynamics.transcribe(scenario, case.model, grid)
+    return base.start_from(trajectory.encode(start)), trajectory
+
+
+def _at_windows(case: Case, base: Mpcc, trajectory: Trajectory, contact: Windows) -> Problem:
+    itinerary = case.scenario.itinerary
+    made = [stop for stop in itinerary.stops if stop.name in contact]
+    for stop in made:
+        base += _coupling(case, trajectory, stop).at_nodes(contact[stop.name])
+    return Problem(base + open_order.choice(itinerary, made), trajectory, contact, itinerary.stops)
+
+
+def _coupling(case: Case, trajectory: Trajectory, stop: Stop) -> Coupling:
+    return Coupling(
+        stop.contacts, case.model, stop.target, trajectory, case.scenario.contact_margin, stop.prefix
+    )
+
+
+def _average_steps(grid: Grid, phase: int, stop: Stop) -> Mpcc:
+    """T_contact = (kappa_init - 1) t_N / N."""
+    duration = ca.SX.sym("T", len(grid.phases))
+    p = ca.SX.sym("p", 1)
+    rest = duration[phase] - p * ca.sum1(duration)
+    function = ca.Function("contact_duration", [duration, p, ca.SX.sym("sigma")], [rest])
+    share, zero = np.array([[(stop.kappa_init - 1) / grid.intervals]]), np.zeros((1, 1))
+    name = f"{stop.prefix}contact_duration"
+    return Mpcc((), (Block(name, function, (durations(grid, 1),), share, zero, zero, "s"),))

@@ -1,0 +1,104 @@
+"""From a race to the problems it can be posed as: phases, gates held at nodes, gates by progress variables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from benchbench.formulation.gates import Place, at_nodes, by_progress, passed_at
+from benchbench.formulation.handover import Problem, Windows
+from benchbench.mpcc.problem import Mpcc
+from benchbench.ocp.gates import passes
+from benchbench.ocp.plan import Plan
+from benchbench.ocp.race import Race
+from benchbench.planning.case import Case
+from benchbench.planning.race_start import segments
+from benchbench.transcription.dynamics import Grid, Phase, Trajectory
+
+ALLOWANCE = 0.01
+"""A plan that misses a gate by less than this, m, is taken to pass it."""
+
+
+def straight_line(race: Race, case: Case) -> Plan:
+    """Along the straight lines between the gates at the speed of the guess, upright, at hover."""
+    model = case.model
+    corners = np.array([race.start_position, *(goal.position for goal in race.goals)])
+    passed = np.concatenate([[0.0], np.cumsum(race.segments)]) / race.speed_guess
+    time = np.linspace(0.0, passed[-1], race.intervals + 1)
+    place = np.stack([np.interp(time, passed, column) for column in corners.T], axis=-1)
+    c, w, u = model.configuration, model.velocity, model.inputs
+    lift = np.tile([0.0, 0.0, float(np.sum(model.hover()))], (race.intervals, 1))
+    q, v, _ = model.follow(time, place, np.gradient(place, time, axis=0), lift)
+    progress = np.zeros(race.intervals + 1)
+    progress[[int(np.argmin(np.abs(time - t))) for t in passed[1:]]] = 1.0
+    return Plan(
+        time, q, v, np.tile(model.hover(), (race.intervals, 1)), progress, "hold",
+        c.names, c.units, u.names, u.units, w.names, w.units,
+    )  # fmt: skip
+
+
+def phases(race: Race, case: Case, start: Plan) -> Problem:
+    """Each gate is passed at the last node of its segment; guessed from a plan; smooth."""
+    grid = segments(race, race.nodes_per_gate, np.diff([0.0, *_times(race, start)]))
+    base, trajectory = case.dynamics.transcribe(race, case.model, grid)
+    held = at_nodes(race, _place(case), grid.ends, race.goals)
+    return Problem(
+        base.start_from(trajectory.encode(start)) + Mpcc((), held),
+        trajectory,
+        _at(grid.ends),
+        race.itinerary.stops,
+    )
+
+
+def held(race: Race, case: Case, start: Plan) -> Problem:
+    """One step size, each gate at the node nearest to where the plan passes it; smooth."""
+    base, trajectory = _flight(race, case, start)
+    nodes = (*nearest_nodes(race, start, trajectory), race.intervals)
+    return Problem(
+        base + Mpcc((), at_nodes(race, _place(case), nodes, race.goals)),
+        trajectory,
+        _at(nodes),
+        race.itinerary.stops,
+    )
+
+
+def free(race: Race, case: Case, start: Plan) -> Problem:
+    """One step size; progress variables and complementarity say at which nodes the gates are passed."""
+    base, trajectory = _flight(race, case, start)
+    end = at_nodes(race, _place(case), [race.intervals], race.goals[-1:])
+    mpcc = base + Mpcc((), end) + by_progress(race, _place(case), race.intervals)
+    kappa = passed_at(race.intervals, nearest_nodes(race, start, trajectory))
+    return Problem(mpcc.start_from({"kappa": kappa}), trajectory, None, race.itinerary.stops)
+
+
+def nearest_nodes(race: Race, plan: Plan, trajectory: Trajectory) -> tuple[int, ...]:
+    """Nodes of a grid of one step size nearest to where a plan passes the gates, the end left out."""
+    time = trajectory.grid.time_weights @ trajectory.encode(plan)["T"].ravel()
+    nodes = [int(np.argmin(np.abs(time - t))) for t in _times(race, plan)[:-1]]
+    return tuple(np.clip(nodes, 1, trajectory.grid.intervals - 1).tolist())
+
+
+def _times(race: Race, plan: Plan) -> Sequence[float]:
+    """When a plan passes the gates, the end included, in s: as it claims, else where it is nearest to them."""
+    claimed = plan.time[plan.progress > 0.5]
+    if len(claimed) == len(race.goals):
+        return tuple(claimed)
+    found = passes(plan.time, plan.configuration[:, :3], race.goals, ALLOWANCE)
+    return (*(one.time for one in found[:-1]), plan.travel_time)
+
+
+def _flight(race: Race, case: Case, start: Plan) -> tuple[Mpcc, Trajectory]:
+    grid = Grid((Phase("flight", race.intervals, *race.travel_time, start.travel_time),))
+    base, trajectory = case.dynamics.transcribe(race, case.model, grid)
+    return base.start_from(trajectory.encode(start)), trajectory
+
+
+def _at(nodes: Sequence[int]) -> Windows:
+    """Nodes at which the gates are passed, as the contact with a race's only target."""
+    return {"target": tuple(nodes)}
+
+
+def _place(case: Case) -> Place:
+    model = case.model
+    return Place("q", len(model.configuration.names), len(model.velocity.names), model)

@@ -1,0 +1,1 @@
+"""The waist: an MPCC as data, its derivatives and its residuals."""

@@ -1,0 +1,296 @@
+"""Derivatives of one block function, taken once, cached on disk and compiled when a compiler is there.
+
+A block does not know the number of intervals, the bounds or the guesses, so one cache entry serves every
+run that uses the same physics. The cache key is the serialised function itself.
+"""
+
+from __future__ import annotations
+
+import atexit
+import hashlib
+import logging
+import os
+import platform
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from functools import cache
+from importlib import metadata
+from pathlib import Path
+from typing import Any, Literal
+
+import casadi as ca
+import numpy as np
+from platformdirs import user_cache_path
+
+from benchbench.mpcc.problem import Index
+
+log = logging.getLogger(__name__)
+Compile = Literal["auto", "never"]
+FLAGS = ("-O0", "-fPIC", "-shared")
+"""-O1 halves the time of an evaluation, but gcc takes 2.6 s for a block of verlet in place of 0.6."""
+FUNCTIONS, PATTERN, LIBRARY = "functions.casadi", "pattern.npz", "block.so"
+KINDS = ("value", "first", "second")
+PLACES = ("rows", "columns", "hessian_rows", "hessian_columns")
+MANY, SMALL, LARGE = 25, 500, 10_000
+"""A block is compiled from SMALL operations on if it has MANY instances, else from LARGE on."""
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """Value, Jacobian and Hessian of a block function, each as a dense column of its nonzeros.
+
+    value(z, p, sigma) -> out; jacobian(z, p, sigma) -> nonzeros of d out / dz at (`rows`, `columns`);
+    hessian(z, p, sigma, lam) -> nonzeros of the upper triangle of d2 (lam . out) / dz2 at
+    (`hessian_rows`, `hessian_columns`). compiled: they are, or it would not pay.
+    """
+
+    value: ca.Function
+    jacobian: ca.Function
+    hessian: ca.Function
+    rows: Index
+    columns: Index
+    hessian_rows: Index
+    hessian_columns: Index
+    compiled: bool
+
+
+def derivatives(
+    functions: Sequence[ca.Function], compile: Compile = "auto", instances: Sequence[int] | None = None
+) -> list[Derivatives]:
+    """Return the derivatives of each function, from the cache where possible.
+
+    instances: how often each function is applied; None: often enough to compile it. Processes that meet at an
+    empty cache wait for each other, so that each function is differentiated and compiled once.
+    """
+    root = cache_root()
+    folders = [_folder(f, root) for f in functions]
+    often = [True] * len(functions) if instances is None else [n >= MANY for n in instances]
+    wanted = [(folder, compile, instances is None, n) for folder, n in zip(folders, often, strict=True)]
+    if any(_LOADED.get(key, (None,))[0] != _stamp(key[0]) for key in wanted):
+        found = _from_disk(functions, folders, compile, instances)
+        stamps = map(_stamp, folders)
+        _LOADED.update(zip(wanted, zip(stamps, found, strict=True), strict=True))
+    return [_LOADED[key][1] for key in wanted]
+
+
+Stamp = tuple[tuple[int, int] | None, ...]
+_LOADED: dict[tuple[Path, Compile, bool, bool], tuple[Stamp, Derivatives]] = {}
+"""What this process has loaded: a strategy of several solves builds nearly the same problem many times."""
+
+
+def _stamp(folder: Path) -> Stamp:
+    """Time and size of the files of an entry: what was loaded is good as long as nobody touches them."""
+    found: list[tuple[int, int] | None] = []
+    for name in (FUNCTIONS, PATTERN, LIBRARY):
+        try:
+            status = os.stat(folder / name)
+            found.append((status.st_mtime_ns, status.st_size))
+        except OSError:
+            found.append(None)
+    return tuple(found)
+
+
+def _from_disk(
+    functions: Sequence[ca.Function],
+    folders: Sequence[Path],
+    compile: Compile,
+    instances: Sequence[int] | None,
+) -> list[Derivatives]:
+    by_folder = dict(zip(folders, functions, strict=True))
+    with _lacking(by_folder, FUNCTIONS, PATTERN) as missing:
+        for folder in missing:
+            _differentiate(by_folder[folder], folder)
+    found = [_Pattern.load(folder) for folder in folders]
+    often = [MANY] * len(functions) if instances is None else instances
+    worth = [p.worth_compiling(n) or instances is None for p, n in zip(found, often, strict=True)]
+    if compile == "auto" and shutil.which("gcc"):
+        with _lacking([p for p, w in zip(folders, worth, strict=True) if w], LIBRARY) as missing:
+            _compile_all(missing)
+    return [_load(*each, compile) for each in zip(folders, functions, found, worth, strict=True)]
+
+
+def library(function: ca.Function) -> Path | None:
+    """Return the shared library with the compiled derivatives of a block function, or None."""
+    path = _folder(function, cache_root()) / LIBRARY
+    return path if _intact(path) else None
+
+
+def cache_root() -> Path:
+    """Folder of the cache: $BENCHBENCH_CACHE, else the user's cache folder, else one for this process only."""
+    wanted = os.environ.get("BENCHBENCH_CACHE")
+    root = Path(wanted) if wanted else user_cache_path("benchbench") / "blocks"
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=root):
+            pass
+    except OSError as error:
+        return _temporary_root(root, error.strerror or str(error))
+    return root
+
+
+@cache
+def _temporary_root(refused: Path, reason: str) -> Path:
+    """A private folder: a fixed name in a shared folder would let others plant libraries that we load."""
+    log.warning(
+        "cache folder %s is not writable (%s): every run compiles again; set BENCHBENCH_CACHE to a folder that is",
+        refused, reason,
+    )  # fmt: skip
+    root = Path(tempfile.mkdtemp(prefix="benchbench-"))
+    atexit.register(shutil.rmtree, root, ignore_errors=True)
+    return root
+
+
+@contextmanager
+def _lacking(folders: Iterable[Path], *names: str) -> Iterator[list[Path]]:
+    """Lock the entries that lack a sound file of these names; yields those that still do when it is our turn."""
+
+    def lacks(folder: Path) -> bool:
+        return not all(_intact(folder / name) for name in names)
+
+    missing = sorted(filter(lacks, set(folders)))
+    with ExitStack() as stack:
+        if missing:
+            from filelock import FileLock  # slow to import and seldom needed
+
+            for folder in missing:  # sorted, so that no two processes wait for each other
+                stack.enter_context(FileLock(folder / "lock"))
+        yield list(filter(lacks, missing))
+
+
+@dataclass(frozen=True)
+class _Pattern:
+    """Where the nonzeros of Jacobian and Hessian are, and how many operations value and derivatives take."""
+
+    rows: Index
+    columns: Index
+    hessian_rows: Index
+    hessian_columns: Index
+    operations: int
+
+    @classmethod
+    def load(cls, folder: Path) -> _Pattern:
+        with np.load(folder / PATTERN) as file:
+            places = [file[name] for name in PLACES]
+            return cls(places[0], places[1], places[2], places[3], int(file["operations"]))
+
+    def worth_compiling(self, instances: int) -> bool:
+        """Tell whether it pays: gcc takes at least 0.06 s a block, which a few interpreted operations never cost."""
+        return self.operations >= (SMALL if instances >= MANY else LARGE)
+
+
+def _differentiate(function: ca.Function, folder: Path) -> None:
+    """Fill an entry: the functions, then the pattern, whose presence says that both are there."""
+    name = function.name()
+    z, p, sigma = function.sx_in()
+    out = function(z, p, sigma)
+    if function.n_instructions() >= SMALL:
+        out = ca.cse(out)  # derivatives of what is shared are then shared, too
+    jacobian = ca.jacobian(out, z)
+    lam = ca.SX.sym("lam", out.shape[0])
+    hessian = ca.triu(ca.hessian(ca.dot(lam, out), z)[0])
+    jacobian, hessian = ca.cse(jacobian), ca.cse(hessian)
+    made = (
+        ca.Function(f"{name}_value", [z, p, sigma], [ca.densify(out)]),
+        ca.Function(f"{name}_first", [z, p, sigma], [_nonzeros(jacobian)], {"allow_free": False}),
+        ca.Function(f"{name}_second", [z, p, sigma, lam], [_nonzeros(hessian)]),
+    )
+    places = [np.array(i, dtype=np.int64) for e in (jacobian, hessian) for i in e.sparsity().get_triplet()]
+    count = sum(f.n_instructions() for f in made)
+    with tempfile.TemporaryDirectory(dir=folder) as scratch:
+        serializer = ca.FileSerializer(str(Path(scratch, FUNCTIONS)))
+        for each in made:
+            serializer.pack(each)
+        del serializer  # closes the file
+        _publish(Path(scratch, FUNCTIONS), folder)
+        with Path(scratch, PATTERN).open("wb") as file:
+            numbers: dict[str, Any] = dict(zip(PLACES, places, strict=True))
+            np.savez(file, operations=count, **numbers)
+        _publish(Path(scratch, PATTERN), folder)
+
+
+def _functions(folder: Path) -> list[ca.Function]:
+    """Value, first and second derivatives; raises RuntimeError when the file is damaged."""
+    reader = ca.FileDeserializer(str(folder / FUNCTIONS))
+    return [reader.unpack() for _ in range(3)]
+
+
+def _nonzeros(matrix: ca.SX) -> ca.SX:
+    return ca.sparsity_cast(matrix, ca.Sparsity.dense(matrix.nnz(), 1))
+
+
+def _load(
+    folder: Path, function: ca.Function, pattern: _Pattern, worth: bool, compile: Compile
+) -> Derivatives:
+    wanted = compile != "never" and worth
+    made = _compiled(folder, function.name()) if wanted else None
+    value, first, second = made or _functions(folder)
+    return Derivatives(
+        value, first, second, pattern.rows, pattern.columns, pattern.hessian_rows, pattern.hessian_columns,
+        compile != "never" and (made is not None or not worth),
+    )  # fmt: skip
+
+
+def _compiled(folder: Path, name: str) -> list[ca.Function] | None:
+    if not _intact(folder / LIBRARY):
+        return None
+    try:
+        return [ca.external(f"{name}_{what}", str(folder / LIBRARY)) for what in KINDS]
+    except RuntimeError as error:  # for example a file system that forbids to execute
+        log.warning("a compiled block cannot be loaded and stays interpreted: %s", error)
+        return None
+
+
+def _folder(function: ca.Function, root: Path) -> Path:
+    """Folder of one function; the name depends on everything its content does."""
+    folder = root / hashlib.sha256((_maker() + function.serialize()).encode()).hexdigest()[:32]
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
+@cache
+def _maker() -> str:
+    """What makes the entries: this module, CasADi, the machine, the compiler's flags."""
+    here = Path(__file__).read_text()
+    return "|".join([here, metadata.version("casadi"), platform.machine(), *FLAGS])
+
+
+def _publish(file: Path, folder: Path) -> None:
+    """Move a finished file into place, then its checksum, so that readers never take half of it."""
+    seal = file.with_name(f"{file.name}.sha256")
+    seal.write_text(hashlib.sha256(file.read_bytes()).hexdigest())
+    for part in (file, seal):
+        os.replace(part, folder / part.name)
+
+
+def _intact(file: Path) -> bool:
+    """Tell whether the file is what was published; a truncated library would kill the process (SIGBUS)."""
+    try:
+        seal = file.with_name(f"{file.name}.sha256").read_bytes()
+        return seal == hashlib.sha256(file.read_bytes()).hexdigest().encode()
+    except OSError:
+        return False
+
+
+def _compile_all(folders: Sequence[Path]) -> None:
+    jobs = []
+    for folder in folders:
+        scratch = Path(tempfile.mkdtemp(dir=folder))
+        source = ca.CodeGenerator("block.c")
+        for function in _functions(folder):
+            source.add(function)
+        source.generate(str(scratch) + os.sep)
+        command = ["gcc", *FLAGS, str(scratch / "block.c"), "-o", str(scratch / LIBRARY), "-lm"]
+        jobs.append((folder, scratch, subprocess.Popen(command, stderr=subprocess.PIPE)))
+    for folder, scratch, job in jobs:
+        _, stderr = job.communicate()
+        if job.returncode == 0:
+            _publish(scratch / LIBRARY, folder)
+        else:
+            log.warning(
+                "gcc failed, the block stays interpreted: %s", stderr.decode(errors="replace").strip()[-200:]
+            )
+        shutil.rmtree(scratch)

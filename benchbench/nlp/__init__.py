@@ -1,0 +1,1 @@
+"""An MPCC relaxed, assembled and solved."""

@@ -1,0 +1,1 @@
+"""What is done with several solves to get one plan."""

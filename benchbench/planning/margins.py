@@ -1,0 +1,75 @@
+"""Margins as large as the replay asks for: solve without, fly, take back what a limit was exceeded by, solve again.
+
+A transcription keeps limits at its nodes, the certificate asks for them between the nodes as well. A margin that is fixed
+beforehand costs travel time where none is needed, and is too small where the grid is coarse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from benchbench.certificate.certificate import Certificate
+from benchbench.certificate.checks import rate_ratio
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.strategy import Result, judge
+
+ROUNDS = 3
+"""Solves that may follow the first."""
+AGAIN = 1.1
+"""What was exceeded is taken back with so much more, because the next plan flies differently."""
+
+BEST_ONLY = "; margins for the best one only"
+"""What the account of a search says whose candidates were solved without margins."""
+
+Margins = dict[str, dict[str, float]]
+"""Margins by the name of the field of the scenario."""
+
+
+def measured(
+    case: Case, ledger: Ledger, most: float, solve: Callable[[Case, Result | None], Result]
+) -> Result:
+    """Solve, from nothing or from an earlier result, until the certificate accepts or a margin would exceed `most`.
+
+    Returns the certified result; without one the first, which has no margins. With `most` 0 nothing is measured: the one
+    solve has the margins of the scenario.
+    """
+    if not most:
+        return solve(case, None)
+    margins: Margins = {"rate_margin": {}, "contact_margin": {}}
+    first = last = solve(_with(case, margins), None)
+    for _ in range(ROUNDS):
+        if not last.claimed or ledger.over:
+            return first
+        certificate = judge(last, case, ledger)
+        if certificate.certified:
+            return last
+        raised = _raised(margins, certificate, case)
+        if raised == margins or max((m for own in raised.values() for m in own.values()), default=0.0) > most:
+            return first
+        margins = raised
+        last = solve(_with(case, margins), last)
+    return last if last.claimed and judge(last, case, ledger).certified else first
+
+
+def _with(case: Case, margins: Margins) -> Case:
+    return replace(case, scenario=case.scenario.model_copy(update=margins))
+
+
+def _raised(margins: Margins, found: Certificate, case: Case) -> Margins:
+    """Margins with what the replay exceeded taken back; the same where it broke other limits only."""
+    rates, contacts = dict(margins["rate_margin"]), dict(margins["contact_margin"])
+    if found.flight is not None:
+        reached = np.max(rate_ratio(found.flight.velocity, case.model.velocity), axis=0)
+        for name, ratio in zip(case.model.velocity.names, reached, strict=True):
+            if ratio > case.limits.rate_ratio:
+                rates[name] = rates.get(name, 0.0) + AGAIN * float(ratio - case.limits.rate_ratio)
+    limits = {name: c.limit for stop in case.scenario.itinerary.stops for name, c in stop.contacts.items()}
+    for name, limit in limits.items():
+        flown = [c for c in found.checks if not c.ok and c.name.endswith(f"contact_{name}")]
+        beyond = max((c.value - c.limit for c in flown), default=0.0)
+        if beyond > 0 and np.isfinite(beyond):
+            contacts[name] = contacts.get(name, 0.0) + AGAIN * beyond / limit + 1e-4
+    return {"rate_margin": rates, "contact_margin": contacts}

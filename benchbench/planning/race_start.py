@@ -1,0 +1,32 @@
+"""A start for races: the time-optimal flight of a point mass through the gates, one free duration per segment."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchbench.formulation.gates import Place, at_nodes
+from benchbench.mpcc.problem import Mpcc
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.race import Race
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.point_mass import INTERVALS, SHORTEST, fly
+from benchbench.transcription.dynamics import Grid, Phase
+
+
+def segments(race: Race, intervals: int, guess: Array) -> Grid:
+    """Time axis with one phase per segment; `guess` are their durations (segments,) in s."""
+    longest = race.travel_time[1]
+    names = [f"gate_{i + 1}" for i in range(len(race.goals) - 1)] + ["end"]
+    return Grid(
+        tuple(Phase(n, intervals, SHORTEST, longest, float(s)) for n, s in zip(names, guess, strict=True))
+    )
+
+
+def point_mass_plan(race: Race, case: Case, ledger: Ledger) -> Plan:
+    """Return the vehicle's guess of how to follow the point mass, at the nodes of the point mass."""
+    grid = segments(race, INTERVALS, race.segments / race.speed_guess)
+    corners = np.array([race.start_position, *(goal.position for goal in race.goals)])
+    at_gates = Mpcc((), at_nodes(race, Place("p", 3, 3), grid.ends, race.goals))
+    passed = np.zeros(grid.intervals + 1)
+    passed[list(grid.ends)] = 1.0
+    return fly(case, ledger, grid, corners, at_gates, passed)

@@ -1,0 +1,140 @@
+"""Planning again and again while the target moves: one program, prepared once, each plan started from the last.
+
+What changes from plan to plan (the target's motion, the vehicle's state) are numbers of the program, so that
+nothing is built but the numbers. The problem is that of `strategy=phases`: one smooth solve.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from benchbench.certificate.certificate import Certificate
+from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.formulation.handover import SHORTEST, Problem, phases
+from benchbench.mpcc.problem import Variable
+from benchbench.nlp.homotopy import Solved
+from benchbench.nlp.solver import Outcome, Setup
+from benchbench.ocp.contact import retargeted
+from benchbench.ocp.motion import Motion, same_kind
+from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.race import Race
+from benchbench.planning.case import Case, Ledger
+from benchbench.planning.guess import straight_line
+from benchbench.planning.shift import Shift
+from benchbench.planning.strategy import Result, judge, pose
+
+
+@dataclass(frozen=True)
+class Replan:
+    """One answer: the case it is for (times count from its own start), what was found, wall seconds it took.
+
+    cold: the warm start failed and the plan was made from the straight line.
+    """
+
+    case: Case
+    result: Result
+    seconds: float
+    cold: bool = False
+
+    @property
+    def plan(self) -> Plan:
+        """The plan from now on."""
+        return self.result.plan
+
+    def certificate(self) -> Certificate:
+        """Judge the plan by the case it is for."""
+        return judge(self.result, self.case, Ledger(self.case.time_limit))
+
+
+@final
+class Replanner:
+    """Keeps the last solution of a handover; made once, which solves the case as it stands (`first`).
+
+    The kind of the target's motion and its number of parameters stay. Raises IncompatibleCase for races and for
+    solvers that build each problem anew.
+    """
+
+    def __init__(self, case: Case) -> None:
+        if isinstance(case.scenario, Race) or case.scenario.target is None:
+            raise IncompatibleCase(
+                "scenario", "has no single target that moves", "a handover with one target"
+            )
+        began, ledger = time.perf_counter(), Ledger(case.time_limit)
+        problem = phases(case, straight_line(case))
+        setup = Setup(case.time_limit, case.iteration_limit, case.accuracy, case.compile)
+        self._solve = case.solver.prepare_parametric(problem.mpcc, setup, tuple(case.scenario.contacts))
+        result = pose(problem, case, ledger, "first plan")
+        self.first = self.last = Replan(case, result, time.perf_counter() - began, cold=True)
+
+    def plan(self, target: Motion, q: Array, v: Array, elapsed: float = 0.0) -> Replan:
+        """Plan from the vehicle's state for what is now known of the target.
+
+        target   its motion, with time counted from now
+        q, v     configuration (n_q,) and velocity (n_v,) of the vehicle now, in the model's order and units
+        elapsed  s since the last plan began; that much of it is left out of the start
+        Raises BadInput for another kind of target, for a state or time that is none, and when the contact has begun.
+        """
+        began = time.perf_counter()
+        if not (np.isfinite(elapsed) and elapsed >= 0):
+            raise BadInput("elapsed", f"{elapsed!r} was given", "a number of seconds of at least 0")
+        case = moved(self.last.case, target, q, v)
+        old = self.last.result
+        problem = renumbered(old.problem, case, target)
+        duration = old.solved.values["T"].ravel()
+        if elapsed >= duration[0] - SHORTEST:
+            raise BadInput(
+                "elapsed", f"{elapsed:g} s have gone, contact has begun", f"below {duration[0]:g} s"
+            )
+        start = Shift(problem.trajectory.grid, duration, elapsed).point(
+            problem.mpcc, old.solved.outcome.point
+        )
+        start = replace(start, x=np.clip(start.x, problem.mpcc.lower, problem.mpcc.upper))
+        outcome = self._solve(problem.mpcc, start)
+        cold = outcome.claim != "solved"
+        result = self._cold(case) if cold else _result(problem, outcome)
+        self.last = Replan(case, result, time.perf_counter() - began, cold)
+        return self.last
+
+    def _cold(self, case: Case) -> Result:
+        return pose(phases(case, straight_line(case)), case, Ledger(case.time_limit), "cold plan")
+
+
+def moved(case: Case, target: Motion, q: Array, v: Array) -> Case:
+    """The same case from another state, with another motion of the same kind; raises BadInput otherwise."""
+    for field, values, box in (("q", q, case.model.configuration), ("v", v, case.model.velocity)):
+        if np.shape(values) != (len(box.names),) or not np.all(np.isfinite(values)):
+            problem, names = f"{np.array(values).tolist()} was given", ", ".join(box.names)
+            raise BadInput(field, problem, f"{len(box.names)} numbers: {names}")
+    known = case.scenario.target
+    if known is None or not same_kind(target, known):
+        raise BadInput("target", f"'{type(target).__name__}' is another kind of motion", type(known).__name__)
+    start = dict(zip(case.model.configuration.names, map(float, q), strict=True))
+    rates = dict(zip(case.model.velocity.names, map(float, v), strict=True))
+    update = {"target": target, "start": start, "start_velocity": rates}
+    return replace(case, scenario=case.scenario.model_copy(update=update))
+
+
+def renumbered(problem: Problem, case: Case, target: Motion) -> Problem:
+    """The problem of phases with the start of another case and its target: what `phases` would build, guesses aside."""
+    scenario, model = case.scenario, case.model
+    ends = {"q": scenario.start_point(model), "v": scenario.start_rates(model)}
+    variables = tuple(_starting(v, ends[v.name]) if v.name in ends else v for v in problem.mpcc.variables)
+    blocks = tuple(
+        retargeted(b, target) if b.name in scenario.contacts else b for b in problem.mpcc.constraints
+    )
+    return replace(problem, mpcc=replace(problem.mpcc, variables=variables, constraints=blocks))
+
+
+def _starting(variable: Variable, values: Array) -> Variable:
+    lower, upper, guess = (a.copy() for a in (variable.lower, variable.upper, variable.guess))
+    lower[0] = upper[0] = guess[0] = values
+    return replace(variable, lower=lower, upper=upper, guess=guess)
+
+
+def _result(problem: Problem, outcome: Outcome) -> Result:
+    values = problem.mpcc.split(outcome.point.x)
+    return Result(problem, Solved(outcome, values, outcome.point.x, 0.0), problem.decode(values))

@@ -1,0 +1,72 @@
+"""What makes two travel times comparable: one hash of the task, the transcription and its grid."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from hydra.utils import get_object
+from omegaconf import DictConfig, OmegaConf
+
+from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
+
+PLANNING = (
+    "contact_guess", "travel_time_guess", "speed_guess", "rate_margin", "contact_margin", "gate_margin",
+)  # fmt: skip
+"""Fields of a scenario that only say how a planner goes about it; no certificate asks for them."""
+LABELS = ("name",)
+FILES = (".csv", ".yaml", ".yml")
+"""Suffixes of files that hold a part of a task: a track, the motion of a target."""
+
+
+def task_hash(cfg: DictConfig) -> str:
+    """Return the hash of what is flown, under which limits it is certified, and on which transcription and grid.
+
+    Read from scenario, vehicle, dynamics and certificate of a composed configuration. What has no part in it: names,
+    guesses and margins of the planner, whether and how long stationarity is looked for, and how the problem is solved. A field at its
+    class's default counts as left out, so that a new field with a default changes nothing.
+    """
+    tree: Any = OmegaConf.to_container(cfg, resolve=True)
+    scenario = tree["scenario"]
+    kind = Race if "track" in scenario else Scenario
+    content = {
+        "scenario": _without(_content(scenario, _defaults(kind)), (*PLANNING, *LABELS)),
+        "vehicle": _without(_content(tree["vehicle"]), LABELS),
+        "dynamics": _content(tree["dynamics"]),
+        "certificate": _without(_content(tree["certificate"]), ("stationarity", "stationarity_seconds")),
+    }
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def _content(value: Any, defaults: Mapping[str, Any] | None = None) -> Any:
+    """A part of the configuration with one way to write each thing."""
+    if isinstance(value, Mapping):
+        kind = get_object(value["_target_"]) if "_target_" in value else None
+        usual = _defaults(kind) if kind else defaults or {}
+        said = {k: _content(v) for k, v in value.items() if k != "_target_"}
+        said = {k: v for k, v in said.items() if v not in (None, {}) and v != usual.get(k, _NOTHING)}
+        return {"_target_": f"{kind.__module__}.{kind.__qualname__}", **said} if kind else said
+    if isinstance(value, list | tuple):
+        return [_content(one) for one in value]
+    if isinstance(value, str | Path) and str(value).endswith(FILES) and Path(value).is_file():
+        return hashlib.sha256(Path(value).read_bytes()).hexdigest()
+    return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+_NOTHING = object()
+
+
+def _defaults(kind: Any) -> dict[str, Any]:
+    """Defaults of a class (or function) by the names it takes, plain ones only."""
+    fields = inspect.signature(kind).parameters.values()
+    plain = (bool, int, float, str, tuple)
+    return {f.name: _content(f.default) for f in fields if isinstance(f.default, plain)}
+
+
+def _without(content: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any]:
+    return {key: value for key, value in content.items() if key not in names}

@@ -1,0 +1,211 @@
+"""Refuses a case that cannot work before anything is built, naming the field and what is allowed."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import re
+
+import casadi as ca
+import numpy as np
+
+from benchbench import registry
+from benchbench.certificate.bound import AXES, arm_reach, lower_bound
+from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.mpcc.problem import Block, Mpcc, Variable, rows
+from benchbench.nlp.solver import Setup
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Array
+from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.stop import Stop
+from benchbench.planning.case import Case, Task
+
+
+def validate(case: Task) -> None:
+    """Raise BadInput for the first thing that cannot be."""
+    if isinstance(case, Case):
+        _flight(case)
+    _schedule(case)
+    _solver(case)
+
+
+def _flight(case: Case) -> None:
+    numbers(case)
+    _vehicle(case)
+    if isinstance(case.scenario, Race):
+        _racer(case)
+    _pose("start", case.scenario.start_point(case.model), case)
+    _pose("end", case.scenario.end_point(case.model), case)
+    if isinstance(case.scenario, Race):
+        _course(case.scenario, case)
+    else:
+        _reachable(case)
+
+
+def numbers(case: Case) -> None:
+    """Raise BadInput for counts and durations that do not fit into each other."""
+    scenario = case.scenario
+    stops = scenario.itinerary.listed
+    most = scenario.intervals - len(stops) - 1  # one interval to come, one from stop to stop, one to leave
+    asked = sum(stop.kappa_init for stop in stops)
+    if asked > most:
+        problem = f"{asked} nodes in contact do not fit into {scenario.intervals} intervals"
+        raise BadInput("scenario.kappa_init", problem, f"1 to {most}{' in all' * (len(stops) > 1)}")
+    first, last = scenario.travel_time
+    if not 0 <= first <= last < np.inf or last == 0:
+        raise BadInput(
+            "scenario.travel_time", f"[{first}, {last}] was given", "two finite numbers of seconds from 0 on"
+        )
+    for stop in scenario.itinerary.stops:
+        seconds = stop.contact_seconds
+        if seconds is not None and not 0 < seconds < last:
+            problem, allowed = f"{seconds} s is no part of the flight", f"null, or above 0 and below {last} s"
+            raise BadInput("scenario.contact_seconds", problem, allowed)
+
+
+def _schedule(case: Task) -> None:
+    schedule = np.asarray(case.relaxation.schedule)
+    if not schedule.size or not np.all(np.isfinite(schedule)) or np.any(schedule < 0):
+        problem = f"{list(case.relaxation.schedule)} was given"
+        raise BadInput("relaxation.schedule", problem, "one or more finite numbers, none below 0")
+
+
+def _vehicle(case: Case) -> None:
+    """It moves in space, can hover, and has the coordinates that the scenario speaks of."""
+    model, scenario = case.model, case.scenario
+    if missing := [axis for axis in AXES if axis not in model.configuration.names]:
+        problem = f"'{case.names['vehicle']}' has no coordinate {missing[0]} and cannot fly this scenario"
+        raise IncompatibleCase("vehicle", problem, "a vehicle with the coordinates x, y, z")
+    if not case.dynamics.accepts(model):
+        _unsuitable_dynamics(case)
+    scenario.limits(model)
+    scenario.planned_rates(model)
+    limits = model.inputs
+    for name, unit, u, low, high in zip(
+        limits.names, limits.units, model.hover(), limits.lower, limits.upper, strict=True
+    ):
+        if not low <= u <= high:
+            problem = f"cannot hover: {name} would have to be {u:.4g} {unit}"
+            raise BadInput(
+                "vehicle", problem, f"its limits, {low:g} to {high:g} {unit}, wide enough for that"
+            )
+
+
+def _unsuitable_dynamics(case: Case) -> None:
+    dynamics, vehicle = case.names["dynamics"], case.names["vehicle"]
+    lacks = not case.model.has_lagrangian
+    flag = "needs_lagrangian" if lacks else "needs_vector_space"
+    able = [p.name for p in registry.installed("dynamics") if p.kind and not getattr(p.kind, flag, False)]
+    problem = (
+        f"'{dynamics}' needs a Lagrangian, which the vehicle '{vehicle}' lacks"
+        if lacks
+        else f"'{dynamics}' adds coordinates, which the quaternions of the vehicle '{vehicle}' do not allow"
+    )
+    raise IncompatibleCase("dynamics", problem, ", ".join(able))
+
+
+def _pose(which: str, q: Array, case: Case) -> None:
+    limits = case.scenario.limits(case.model)
+    for name, unit, value, low, high in zip(
+        limits.names, limits.units, q, limits.lower, limits.upper, strict=True
+    ):
+        if not low <= value <= high:
+            problem, allowed = f"{value:g} {unit} is outside its limits", f"{low:g} to {high:g} {unit}"
+            raise BadInput(f"scenario.{which}.{name}", problem, allowed)
+
+
+def _reachable(case: Case) -> None:
+    """Some time each target is near where the vehicle may be, and there is time to go there and to the end."""
+    scenario, model = case.scenario, case.model
+    plant, latest = model.plant(), scenario.travel_time[1]
+    for stop in scenario.itinerary.stops:
+        _near(stop, case)
+    bound = lower_bound(scenario, model, plant)
+    if bound == np.inf:
+        problem = f"is out of reach: at full speed the vehicle does not meet it within {latest:g} s"
+        raise BadInput(_field(scenario), problem, "a nearer target, or a longer scenario.travel_time")
+    if bound > latest:
+        problem = f"{latest:g} s are too short, at full speed the flight takes {bound:.3f} s"
+        raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
+
+
+def _near(stop: Stop, case: Case) -> None:
+    """Some time the target is near where the vehicle may be."""
+    scenario, model = case.scenario, case.model
+    target, _ = sample(stop.target, np.linspace(0.0, scenario.travel_time[1], 301))
+    field = _field(scenario, stop)
+    if not np.all(np.isfinite(target)):
+        raise BadInput(field, "gives positions that are not finite", "finite positions in m")
+    limits = scenario.limits(model)
+    reach = arm_reach(model, model.plant()) + max(
+        (c.limit for c in stop.contacts.values() if c.unit == "m"), default=0.0
+    )
+    for axis, column in zip(AXES, target.T, strict=True):
+        i = limits.index(axis)
+        low, high = limits.lower[i] - reach, limits.upper[i] + reach
+        if not np.any((column >= low) & (column <= high)):
+            problem = f"is out of reach: its {axis} goes from {column.min():g} to {column.max():g} m"
+            raise BadInput(field, problem, f"{axis} between {low:g} and {high:g} m at some time")
+
+
+def _field(scenario: Scenario, stop: Stop | None = None) -> str:
+    """Name of the field that gives the target of a stop, or of all of them."""
+    if scenario.target is not None:
+        return "scenario.target"
+    return "scenario.stops" if stop is None else f"scenario.stops.{stop.name}.target"
+
+
+def _racer(case: Case) -> None:
+    """The vehicle says what a race is guessed from."""
+    try:
+        case.model.specific_thrust(np.zeros(1))
+    except NotImplementedError:
+        able = "race_quadrotor, race_ramp, or a model that gives specific_thrust and follow"
+        raise IncompatibleCase("vehicle", f"'{case.names['vehicle']}' cannot race", able) from None
+
+
+def _course(race: Race, case: Case) -> None:
+    """Every gate can be reached at least in part, and there is time for the race."""
+    limits = race.limits(case.model)
+    for number, goal in enumerate(race.goals, 1):
+        for axis, value in zip(AXES, goal.position, strict=True):
+            i = limits.index(axis)
+            low, high = limits.lower[i] - goal.radius, limits.upper[i] + goal.radius
+            if not low <= value <= high:
+                name = "end" if number == len(race.goals) else f"gate {number}"
+                problem = f"{axis} = {value:g} m of the {name} is outside the workspace"
+                raise BadInput("scenario.track", problem, f"{low:g} to {high:g} m")
+    bound = lower_bound(race, case.model, case.model.plant())
+    if bound > race.travel_time[1]:
+        problem = f"{race.travel_time[1]:g} s are too short for this race"
+        raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
+
+
+def _solver(case: Task) -> None:
+    """Let the solver prepare a problem with one unknown: settings that it refuses show here."""
+    said = io.StringIO()
+    setup = Setup(case.time_limit, case.iteration_limit, case.accuracy, "never")
+    try:
+        with contextlib.redirect_stdout(said):
+            case.solver.prepare(_smallest(), setup)
+    except IncompatibleCase:
+        return  # it needs a problem with a certain structure; this one has none
+    except RuntimeError as error:
+        reason = re.sub(r"^\S+\.[ch]pp:\d+: ", "", str(error).strip().splitlines()[-1])
+        reason += f" ({said.getvalue().strip().splitlines()[0]})" if said.getvalue().strip() else ""
+        options = getattr(case.solver, "options", None)
+        problem = f"'{case.names['solver']}' refuses its settings{f' {options}' if options else ''}: {reason}"
+        raise BadInput("solver", problem, "what the solver's own manual names") from None
+
+
+def _smallest() -> Mpcc:
+    """Minimise (x - 1)^2 for -2 <= x <= 2."""
+    z, p, sigma = ca.SX.sym("z"), ca.SX.sym("p", 0), ca.SX.sym("sigma")
+    zero, two = np.zeros((1, 1)), np.full((1, 1), 2.0)
+    read = (rows("x", 1, [0]),)
+    cost = Block(
+        "probe_cost", ca.Function("probe_cost", [z, p, sigma], [(z - 1) ** 2]), read, zero[:, :0], zero, zero
+    )
+    row = Block("probe_row", ca.Function("probe_row", [z, p, sigma], [z]), read, zero[:, :0], -two, two)
+    return Mpcc((Variable("x", -two, two, zero),), (row,), (cost,))

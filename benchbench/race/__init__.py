@@ -1,1 +1,0 @@
-"""Races: ordered gates, passed in least time."""

@@ -1,0 +1,1 @@
+"""One composed configuration, run as the program runs it."""

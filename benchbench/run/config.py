@@ -1,0 +1,289 @@
+"""From a composed Hydra configuration to a case; every mistake becomes one `BadInput` naming its field."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from importlib.metadata import entry_points
+from pathlib import Path
+from typing import Any
+
+import hydra
+from hydra.core.config_search_path import ConfigSearchPath
+from hydra.core.global_hydra import GlobalHydra
+from hydra.core.object_type import ObjectType
+from hydra.core.plugins import Plugins
+from hydra.errors import InstantiationException
+from hydra.plugins.search_path_plugin import SearchPathPlugin
+from omegaconf import DictConfig, ListConfig, OmegaConf, open_dict
+from pydantic import ValidationError
+
+from benchbench.certificate.limits import Limits, ProblemLimits
+from benchbench.errors import BadInput, BenchBenchError, invalid, unknown_field
+from benchbench.mpcc.ready import ReadyMade
+from benchbench.nlp.relaxation import Relaxation
+from benchbench.nlp.solver import Solver
+from benchbench.ocp.model import Model
+from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
+from benchbench.planning.case import Case, ReadyCase
+from benchbench.planning.guess import Guess
+from benchbench.planning.strategy import Strategy
+from benchbench.planning.task_hash import task_hash
+from benchbench.run import settings
+from benchbench.run.hydra_errors import EXPECTED, PARTS, explained
+from benchbench.run.overrides import implied
+from benchbench.transcription.dynamics import Dynamics
+
+KINDS: dict[str, type | tuple[type, ...]] = {
+    "scenario": (dict, ReadyMade), "vehicle": Model, "dynamics": Dynamics, "relaxation": Relaxation, "solver": Solver,
+    "strategy": Strategy, "guess": Guess, "certificate": ProblemLimits,
+}  # fmt: skip
+FAMILIES = tuple(family for family in KINDS if family != "scenario")
+FLIGHT = ("vehicle", "dynamics", "guess")
+"""Families that play no part in a scenario that comes ready-made as an MPCC."""
+NUMBERS = {"seed": (int, 0), "time_limit": (float, 1e-3), "iteration_limit": (int, 1)}
+"""Numbers of a run with their type and smallest value."""
+WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
+FIELDS = (*KINDS, "peer", *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
+
+
+class ThirdPartyConfig(SearchPathPlugin):
+    """Adds the config packages that installed packages name in the entry point group `benchbench.conf`."""
+
+    def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:
+        """Append pkg://<package> for each of them."""
+        for entry in entry_points(group="benchbench.conf"):
+            search_path.append(provider=f"benchbench:{entry.name}", path=f"pkg://{entry.value}")
+
+
+def folder() -> str:
+    """Absolute path of the configuration: $BENCHBENCH_CONF, else the installed one, else the checkout's.
+
+    Third parties' configuration is on the search path from here on. Raises BadInput.
+    """
+    Plugins.instance().register(ThirdPartyConfig)
+    here = Path(__file__).resolve().parents[1]
+    asked = os.environ.get("BENCHBENCH_CONF")
+    for candidate in [Path(asked)] if asked else [here / "conf", here.parent / "conf"]:
+        if (candidate / "config.yaml").is_file():
+            return str(candidate.resolve())
+    raise BadInput(
+        "BENCHBENCH_CONF", f"there is no config.yaml in '{asked}'", "the path of benchbench's conf folder"
+    )
+
+
+def choices(family: str) -> list[str]:
+    """Names of everything that can be chosen from a family on the search path."""
+    if not GlobalHydra.instance().is_initialized():
+        with hydra.initialize_config_dir(folder(), version_base="1.3"):
+            return choices(family)
+    found = GlobalHydra.instance().config_loader().get_group_options(family, ObjectType.CONFIG)
+    return sorted(name for name in found if name not in PARTS)
+
+
+def compose(*overrides: str) -> Case:
+    """Return the flight that the same overrides give on the command line, for use from Python.
+
+    Own YAML: "hydra.searchpath=[file:///absolute/folder]". Raises BadInput.
+    """
+    case = compose_any(*overrides)
+    if not isinstance(case, Case):
+        raise BadInput("scenario", f"'{case.names['scenario']}' is no flight", "a flight")
+    return case
+
+
+def compose_any(*overrides: str) -> Case | ReadyCase:
+    """Return the same of any scenario, a flight or an MPCC that comes ready-made. Raises BadInput."""
+    with hydra.initialize_config_dir(folder(), version_base="1.3"):
+        try:
+            cfg = hydra.compose("config", meant(overrides), return_hydra_config=True)
+            chosen = dict(cfg.hydra.runtime.choices)
+            with open_dict(cfg):
+                del cfg["hydra"]
+        except (*EXPECTED, ValueError) as error:
+            raise explained(error) from error
+        return build(cfg, chosen)
+
+
+def meant(overrides: Sequence[str], more: str | None = None) -> list[str]:
+    """Return overrides of one run with what they imply; `more` is the user's own folder. Raises what Hydra does."""
+    if not GlobalHydra.instance().is_initialized():
+        with hydra.initialize_config_dir(folder(), version_base="1.3"):
+            return meant(overrides, more)
+    own = [f"hydra.searchpath=['file://{Path(more).absolute()}']"] if more else []
+    cfg = hydra.compose("config", [*overrides, *own], return_hydra_config=True)
+    return [*overrides, *implied(overrides, cfg)]
+
+
+def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
+    """Make every part of the case; `chosen` are the names of the choices by family. Raises BadInput."""
+    try:
+        OmegaConf.to_container(cfg, resolve=True)
+    except EXPECTED as error:
+        raise explained(error) from None
+    _check_run(cfg, chosen)
+    parts = {family: _make(cfg, family) for family in _families(cfg)}
+    names = {family: str(chosen.get(family) or "custom") for family in parts if family != "scenario"}
+    names["strategy"] = _nested(names["strategy"], chosen)
+    how = {
+        **{f: parts[f] for f in ("relaxation", "solver", "strategy")}, "limits": parts["certificate"],
+        **{key: cfg[key] for key in (*NUMBERS, *WORDS)},
+    }  # fmt: skip
+    if isinstance(parts["scenario"], ReadyMade):
+        ready = parts["scenario"]
+        return ReadyCase(scenario=ready, names={"scenario": ready.name, **names}, **how)
+    return replace(_flight(parts, names, how), task_hash=task_hash(cfg))
+
+
+def scene_parts(cfg: DictConfig) -> tuple[Scenario, Model]:
+    """Make the scenario and the vehicle of a flight only: what it takes to show a plan.
+
+    The other choices may be those of an earlier version, or of a plugin that is not here. Raises BadInput.
+    """
+    scenario, model = (_make(cfg, family) for family in ("scenario", "vehicle"))
+    if isinstance(scenario, ReadyMade):
+        raise BadInput("scenario", f"'{scenario.name}' is no flight", "a flight")
+    return _scenario(scenario), model
+
+
+def _nested(strategy: str, chosen: Mapping[str, Any]) -> str:
+    """Name of a strategy with those inside it, the outermost first: multistart(polish(relax))."""
+    inner = sorted((key for key in chosen if key.startswith("strategy@strategy.")), key=len)
+    names = [strategy, *(str(chosen[key]) for key in inner)]
+    return "(".join(names) + ")" * len(inner)
+
+
+def _families(cfg: DictConfig) -> list[str]:
+    """The families that this scenario needs a choice from; raises BadInput for another one."""
+    if "_target_" not in (cfg.get("scenario") or {}):
+        return list(KINDS)
+    for family in FLIGHT:
+        if cfg.get(family) is not None:
+            raise BadInput(
+                family, "plays no part in a problem that is no flight", f"~{family}, or no {family}"
+            )
+    return [family for family in KINDS if family not in FLIGHT]
+
+
+def _flight(parts: Mapping[str, Any], names: Mapping[str, str], how: Mapping[str, Any]) -> Case:
+    if not isinstance(parts["certificate"], Limits):
+        raise BadInput(
+            "certificate", f"'{names['certificate']}' is for problems that are no flight", "task, race"
+        )
+    scenario = _scenario(parts["scenario"])
+    return Case(
+        scenario=scenario, model=parts["vehicle"], dynamics=parts["dynamics"], guess=parts["guess"],
+        names={"scenario": scenario.name, **names}, **how,
+    )  # fmt: skip
+
+
+def _scenario(values: Mapping[str, Any]) -> Scenario:
+    kind = Race if "track" in values else Scenario
+    try:
+        scenario = kind(**values)
+    except ValidationError as error:
+        raise invalid("scenario", error, kind.model_fields) from None
+    _check_margins(values)
+    return scenario
+
+
+def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:
+    """Raise BadInput where a family has no choice, a field does not exist, or a number makes no sense."""
+    if chosen.get("scenario") in PARTS:
+        problem = f"'{chosen['scenario']}' is what other scenarios have in common, not a scenario"
+        raise BadInput("scenario", problem, ", ".join(choices("scenario")))
+    for family in _families(cfg):
+        if not isinstance(cfg.get(family), DictConfig) or (family == "scenario" and not chosen.get(family)):
+            plus = "+" if family == "scenario" else ""
+            allowed = f"{plus}{family}=NAME with NAME one of {', '.join(choices(family))}"
+            raise BadInput(family, "none was chosen", allowed)
+    for key in cfg:
+        if key not in FIELDS:
+            raise unknown_field(str(key), FIELDS)
+    for key, (kind, low) in NUMBERS.items():
+        value = cfg.get(key)
+        fits = isinstance(value, (int, kind)) and not isinstance(value, bool)
+        if not fits or not low <= value or not math.isfinite(value):
+            what = "whole number" if kind is int else "number of seconds"
+            raise BadInput(key, f"{value!r} was given", f"a {what} of at least {low:g}")
+    for key, allowed_words in WORDS.items():
+        if cfg.get(key) not in allowed_words:
+            raise BadInput(key, f"{cfg.get(key)!r} was given", ", ".join(allowed_words))
+    if cfg.get("output") in (None, ""):
+        raise BadInput("output", f"{cfg.get('output')!r} was given", "the path of a folder")
+    if chosen.get("peer") and chosen.get("strategy") != "peer":
+        raise BadInput(
+            "peer", f"'{chosen['peer']}' is chosen, but not asked", "strategy=peer beside it, or no peer"
+        )
+    settings.Settings.of(cfg)
+
+
+def _check_margins(scenario: Mapping[str, Any]) -> None:
+    """Raise BadInput for a margin of a contact that is neither there nor switched off by null."""
+    contacts = scenario.get("contacts") or {}
+    for name in scenario.get("contact_margin") or {}:
+        if contacts and name not in contacts:
+            raise BadInput(f"scenario.contact_margin.{name}", "there is no such contact", ", ".join(contacts))
+
+
+def _make(cfg: DictConfig, family: str) -> Any:
+    try:
+        made = hydra.utils.instantiate(cfg[family], _convert_="all")
+    except InstantiationException as error:
+        raise _explained(cfg, family, error) from None
+    except EXPECTED as error:
+        raise explained(error) from None
+    if not isinstance(made, KINDS[family]):
+        raise BadInput(f"{family}._target_", f"gives a {type(made).__name__}", f"a {_kind(family)}")
+    _check_names(cfg[family], family)
+    return made
+
+
+def _kind(family: str) -> str:
+    kinds = KINDS[family]
+    return " or ".join(kind.__name__ for kind in (kinds if isinstance(kinds, tuple) else (kinds,)))
+
+
+def _check_names(node: Any, place: str) -> None:
+    """Raise BadInput for a key that its class does not take; classes that ignore what they do not know exist."""
+    if isinstance(node, ListConfig):
+        for i, item in enumerate(node):
+            _check_names(item, f"{place}.{i}")
+    if not isinstance(node, DictConfig):
+        return
+    names = _parameters(node)
+    for key in map(str, node):
+        if names and key not in names and not key.startswith("_"):
+            raise unknown_field(f"{place}.{key}", names)
+        _check_names(node[key], f"{place}.{key}")
+
+
+def _parameters(node: DictConfig) -> list[str]:
+    """Names that the class of a configuration node takes; none if it has no class or takes any name."""
+    try:
+        parameters = inspect.signature(hydra.utils.get_class(node["_target_"])).parameters
+    except KeyError:
+        return []
+    if any(p.kind is p.VAR_KEYWORD for p in parameters.values()):
+        return []
+    return list(parameters)
+
+
+def _explained(cfg: DictConfig, family: str, error: InstantiationException) -> BenchBenchError:
+    cause: BaseException = error
+    while cause.__cause__ is not None and not isinstance(cause, (BenchBenchError, ValidationError)):
+        cause = cause.__cause__
+    where = str(error).rpartition("full_key: ")[2].strip() if "full_key: " in str(error) else family
+    where = where if where.startswith(family) else f"{family}.{where}"
+    if isinstance(cause, BenchBenchError):
+        return cause
+    if isinstance(cause, ValidationError):
+        return invalid(where, cause)
+    if isinstance(cause, (ImportError, AttributeError)) or cause is error:
+        target = OmegaConf.select(cfg, f"{where}._target_")
+        return BadInput(f"{where}._target_", f"'{target}' cannot be loaded: {str(cause).splitlines()[0]}")
+    return BadInput(where, str(cause).splitlines()[0])

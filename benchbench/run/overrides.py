@@ -1,0 +1,85 @@
+"""What overrides imply, and those of a sweep, made independent of the order in which Hydra composes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.core.override_parser.types import Override
+from omegaconf import DictConfig
+
+from benchbench.errors import BadInput
+
+SMOOTH, RELAXING = "phases", "relax"
+"""The default strategy, which has no complementarity to relax, and the one for those who ask for a relaxation."""
+MARGINS = ("scenario.rate_margin", "scenario.contact_margin")
+"""Margins by hand; a strategy with a field `margin` above 0 measures its own instead (`benchbench.planning.margins`)."""
+
+
+def implied(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
+    """Return what is meant beside the overrides, given the configuration they lead to, that of Hydra included.
+
+    Who asks for a relaxation, or sets a field of one, and for no strategy does not mean one that ignores it. Who sets
+    margins does not mean a strategy that measures its own. Raises BadInput for who asks for both.
+    """
+    if _relaxing(overrides) and cfg.hydra.runtime.choices.get("strategy") == SMOOTH:
+        return [f"strategy={RELAXING}"]
+    if not _by_hand(overrides) or not isinstance(cfg.get("strategy"), DictConfig):
+        return []
+    asked = _keys(overrides)
+    measuring = list(_measured(cfg.strategy, "strategy"))
+    for key in asked.intersection(measuring):
+        raise BadInput(
+            key,
+            "margins are measured, but there are margins by hand, too",
+            f"0 beside {MARGINS[0]} or {MARGINS[1]}",
+        )
+    return [f"{key}=0" for key in measuring]
+
+
+def implying(overrides: Sequence[str]) -> bool:
+    """Whether these overrides may imply others."""
+    return _relaxing(overrides) or _by_hand(overrides)
+
+
+def _relaxing(overrides: Sequence[str]) -> bool:
+    """Whether a relaxation is asked for, but no strategy."""
+    asked = {key.partition(".")[0] for key in _keys(overrides)}
+    return "relaxation" in asked and "strategy" not in asked
+
+
+def _by_hand(overrides: Sequence[str]) -> bool:
+    return any(key.startswith(MARGINS) for key in _keys(overrides))
+
+
+def _keys(overrides: Sequence[str]) -> set[str]:
+    return {o.key_or_group for o in OverridesParser.create().parse_overrides(list(overrides))}
+
+
+def _measured(node: DictConfig, path: str) -> Iterator[str]:
+    """Paths of the fields that ask a strategy, or one inside it, to measure margins."""
+    for key, value in node.items():
+        if isinstance(value, DictConfig):
+            yield from _measured(value, f"{path}.{key!s}")
+        elif key == "margin" and isinstance(value, (int, float)) and value > 0:
+            yield f"{path}.{key!s}"
+
+
+def carried(overrides: Sequence[str]) -> list[str]:
+    """Return overrides for a multirun, with fixed fields of swept choices written as sweeps of one value.
+
+    Hydra composes once without everything that is swept. `+scenario=a,b scenario.intervals=20` would fail
+    there, since no scenario is chosen yet; `scenario.intervals=choice(20)` waits for the combinations.
+    """
+    parsed = OverridesParser.create().parse_overrides(list(overrides))
+    swept = {o.key_or_group for o in parsed if o.is_sweep_override()}
+    return [_waiting(o) if _belongs(o, swept) else text for o, text in zip(parsed, overrides, strict=True)]
+
+
+def _belongs(override: Override, swept: set[str]) -> bool:
+    plain = not (override.is_sweep_override() or override.is_delete())
+    return plain and "." in override.key_or_group and override.key_or_group.partition(".")[0] in swept
+
+
+def _waiting(override: Override) -> str:
+    return f"{override.get_key_element()}=choice({override.get_value_element_as_str()})"

@@ -1,0 +1,1 @@
+"""From continuous time to blocks of an MPCC."""

@@ -1,0 +1,235 @@
+"""What transcriptions with unknowns at the nodes have in common: variables, ends, cost, reading a node.
+
+Unknowns: q (N + 1, n_q), v (N + 1, n_v) nodal velocities, u (N or N + 1, n_u), T (phases, 1) durations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Array, Interpolation, Plan
+from benchbench.ocp.scenario import Scenario
+from benchbench.transcription.dynamics import Grid, Node
+
+Velocities = Literal["nodal", "mean"]
+
+
+@dataclass(frozen=True)
+class NodalTrajectory:
+    """Reads unknowns q, v, u, T (see `benchbench.transcription.dynamics.Trajectory`).
+
+    velocities "nodal": the velocity of node k is v_k. "mean": it is (q_{k+1} - q_k) / h_k, as the paper
+    limits it; the last node has none.
+    """
+
+    grid: Grid
+    model: Model
+    interpolation: Interpolation
+    velocities: Velocities = "nodal"
+    control_points: int = 1
+
+    @property
+    def node(self) -> Node:
+        """Expressions of node k: z = [q_k, v_k, T] or [q_k, q_{k+1}, T], p = [time weights, step weights]."""
+        n, phases = len(self.model.configuration.names), len(self.grid.phases)
+        q, second = ca.SX.sym("q", n), ca.SX.sym("second", len(self.model.velocity.names))
+        duration, p = ca.SX.sym("T", phases), ca.SX.sym("p", 2 * phases)
+        time, step = ca.dot(p[:phases], duration), ca.dot(p[phases:], duration)
+        velocity = second if self.velocities == "nodal" else (second - q) / step
+        return Node(ca.vertcat(q, second, duration), p, time, q, velocity)
+
+    def slots(self, nodes: Sequence[int]) -> tuple[Slot, ...]:
+        """Unknowns of `node.z`."""
+        n, m = len(self.model.configuration.names), len(self.model.velocity.names)
+        second = rows("v", m, nodes) if self.velocities == "nodal" else rows("q", n, [k + 1 for k in nodes])
+        return (rows("q", n, nodes), second, durations(self.grid, len(nodes)))
+
+    def parameters(self, nodes: Sequence[int]) -> Array:
+        """Time and step weights of each node, (nodes, 2 phases)."""
+        which = np.asarray(nodes, dtype=int)
+        steps = self.grid.step_weights[np.minimum(which, self.grid.intervals - 1)]
+        return np.hstack([self.grid.time_weights[which], steps])
+
+    def decode(self, values: dict[str, Array], progress: Array) -> Plan:
+        """Turn named values into a plan."""
+        c, w, u = self.model.configuration, self.model.velocity, self.model.inputs
+        return Plan(
+            time=self.grid.time_weights @ values["T"].ravel(),
+            configuration=values["q"], velocity=values["v"], inputs=values["u"], progress=progress,
+            interpolation=self.interpolation, coordinate_names=c.names, coordinate_units=c.units,
+            input_names=u.names, input_units=u.units, velocity_names=w.names, velocity_units=w.units,
+        )  # fmt: skip
+
+    def encode(self, plan: Plan) -> dict[str, Array]:
+        """Sample a plan at this grid's nodes, its travel time spread over the phases as they are guessed."""
+        duration = np.array([phase.guess for phase in self.grid.phases])
+        duration *= plan.travel_time / duration.sum()
+        time = self.grid.time_weights @ duration
+        return {
+            "q": _sample(plan.time, plan.configuration, time),
+            "v": _sample(plan.time, plan.velocity, time),
+            "u": plan.input_at(self._input_times(time)),
+            "T": duration[:, None],
+        }
+
+    def _input_times(self, time: Array) -> Array:
+        if self.interpolation == "linear":
+            return time
+        share = (np.arange(self.control_points) + 0.5) / self.control_points
+        return np.asarray(time[:-1, None] + np.diff(time)[:, None] * share).ravel()
+
+
+def durations(grid: Grid, instances: int) -> Slot:
+    """Slot that gives every instance all phase durations."""
+    return rows("T", len(grid.phases), [0] * instances)
+
+
+def own_duration(grid: Grid, intervals: Sequence[int] | None = None) -> tuple[Slot, Array]:
+    """Slot of the duration T of each interval's own phase, and its share 1 / n: h = share T, (intervals, 1)."""
+    phase = np.repeat(np.arange(len(grid.phases)), [p.intervals for p in grid.phases])
+    share = 1.0 / np.array([p.intervals for p in grid.phases])[phase, None]
+    which = np.arange(grid.intervals) if intervals is None else np.asarray(intervals)
+    return rows("T", 1, phase[which]), share[which]
+
+
+def nodal_variables(
+    scenario: Scenario, model: Model, grid: Grid, input_rows: int, velocity_limits: bool = True
+) -> tuple[Variable, ...]:
+    """q, v, u, T with their bounds; fixed start, guesses are a straight line at hover."""
+    start, end = scenario.start_point(model), scenario.end_point(model)
+    q, last = scenario.limits(model), scenario.ends(model)
+    nodes = grid.intervals + 1
+    share = np.linspace(0.0, 1.0, nodes)[:, None]
+    flown = scenario.flown(model, nodes)
+    low_v, high_v = scenario.planned_rates_at(model, flown)
+    if not velocity_limits:
+        low_v, high_v = np.full_like(low_v, -np.inf), np.full_like(high_v, np.inf)
+    low_q, high_q = (np.tile(b, (nodes, 1)) for b in (q.lower, q.upper))
+    u_ref = model.hover()
+    low_u, high_u = model.input_limits(flown[input_intervals(grid, input_rows)])
+    if scenario.hover_ends:
+        low_u[[0, -1]] = high_u[[0, -1]] = u_ref
+    line = (1 - share) * start + share * end
+    way = np.zeros_like(low_v)
+    if way.shape == line.shape:
+        way += (end - start) / scenario.travel_time_guess
+    return (
+        _with_ends("q", low_q, high_q, start, (last.lower_q, last.upper_q), line),
+        _with_ends("v", low_v, high_v, scenario.start_rates(model), (last.lower_v, last.upper_v), way),
+        Variable("u", low_u, high_u, np.tile(u_ref, (input_rows, 1))),
+        Variable("T", _column(grid, "lower"), _column(grid, "upper"), _column(grid, "guess"), "s"),
+    )
+
+
+def input_intervals(grid: Grid, input_rows: int) -> NDArray[np.int64]:
+    """Node at which the limits of each row of inputs hold: its own, or the first of its interval."""
+    if input_rows == grid.intervals + 1:
+        return np.arange(input_rows)
+    return np.arange(input_rows) // (input_rows // grid.intervals)
+
+
+def cost(
+    scenario: Scenario, model: Model, grid: Grid, input_rows: int, per_interval: int = 1
+) -> tuple[Block, ...]:
+    """t_N + c_u sum_k h_k |u_k - u_ref|^2 (paper Eq. 33, squared as in the authors' public demo code).
+
+    With `per_interval` control points in each interval each has its share of the step; no effort for c_u = 0.
+    """
+    n_u = len(model.inputs.names)
+    s = ca.SX.sym("sigma")
+    duration = ca.SX.sym("T", len(grid.phases))
+    time = ca.Function("travel_time", [duration, ca.SX.sym("p", 0), s], [ca.sum1(duration)])
+    none = np.zeros((input_rows, 1))
+    total = Block("travel_time", time, (durations(grid, 1),), np.zeros((1, 0)), none[:1], none[:1], "s")
+    if scenario.input_cost == 0.0:
+        return (total,)
+    u, own, p = ca.SX.sym("u", n_u), ca.SX.sym("T"), ca.SX.sym("p", 2 + n_u)
+    effort = p[1] * p[0] * own * ca.sumsqr(u - p[2:])
+    interval = np.minimum(np.arange(input_rows) // per_interval, grid.intervals - 1)
+    slot, steps = own_duration(grid, interval.tolist())
+    steps = steps / per_interval
+    constants = np.tile([scenario.input_cost, *model.hover()], (input_rows, 1))
+    return (
+        total,
+        Block(
+            "input_cost", ca.Function("input_cost", [ca.vertcat(u, own), p, s], [effort]),
+            (rows("u", n_u, range(input_rows)), slot), np.hstack([steps, constants]),
+            none, none, "s",
+        ),
+    )  # fmt: skip
+
+
+def total_time(scenario: Scenario, grid: Grid) -> Mpcc:
+    """Limit the sum of all durations where there are several phases (one phase has it as a bound)."""
+    if len(grid.phases) == 1:
+        return Mpcc()
+    duration = ca.SX.sym("T", len(grid.phases))
+    function = ca.Function(
+        "total_time", [duration, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [ca.sum1(duration)]
+    )
+    low, high = (np.array([[bound]]) for bound in scenario.travel_time)
+    return Mpcc((), (Block("total_time", function, (durations(grid, 1),), np.zeros((1, 0)), low, high, "s"),))
+
+
+def output_limits(scenario: Scenario, model: Model, grid: Grid) -> Mpcc:
+    """Limit the model's outputs y(q_k, v_k) at every node but the first, which is given."""
+    if not model.outputs.names:
+        return Mpcc()
+    low, high = scenario.planned_outputs_at(model, scenario.flown(model, grid.intervals + 1))
+    finite = np.flatnonzero(np.isfinite(low).any(axis=0) | np.isfinite(high).any(axis=0)).tolist()
+    q, v = ca.SX.sym("q", len(model.configuration.names)), ca.SX.sym("v", len(model.velocity.names))
+    z, nodes = ca.vertcat(q, v), range(1, grid.intervals + 1)
+    function = ca.Function(
+        "outputs", [z, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [model.output(q, v)[finite]]
+    )
+    slots = (rows("q", q.shape[0], nodes), rows("v", v.shape[0], nodes))
+    none, bottom, top = np.zeros((len(nodes), 0)), low[1:, finite], high[1:, finite]
+    return Mpcc((), (Block("outputs", function, slots, none, bottom, top, "rad, rad/s"),))
+
+
+def each_interval(
+    name: str, grid: Grid, model: Model, inputs_per_interval: int, rule: Callable[..., ca.SX], unit: str,
+    bounds: tuple[float, float] = (0.0, 0.0),
+) -> Block:  # fmt: skip
+    """Block `rule(q0, v0, q1, v1, u0, [u1], h)` on every interval, rows bounded by `bounds`."""
+    sizes = {"q": len(model.configuration.names), "v": len(model.velocity.names)}
+    n_u, count = len(model.inputs.names), grid.intervals
+    state = [ca.SX.sym(f"{k}{side}", sizes[k]) for side in (0, 1) for k in ("q", "v")]
+    inputs = [ca.SX.sym(f"u{i}", n_u) for i in range(inputs_per_interval)]
+    duration, p = ca.SX.sym("T"), ca.SX.sym("p")
+    out = rule(*state, *inputs, p * duration)
+    function = ca.Function(name, [ca.vertcat(*state, *inputs, duration), p, ca.SX.sym("sigma")], [out])
+    left, right = range(count), range(1, count + 1)
+    own, share = own_duration(grid)
+    slots = (
+        *(rows(k, sizes[k], which) for which in (left, right) for k in ("q", "v")),
+        *(rows("u", n_u, which) for which in (left, right)[:inputs_per_interval]),
+        own,
+    )
+    low, high = (np.full((count, out.shape[0]), bound) for bound in bounds)
+    return Block(name, function, slots, share, low, high, unit)
+
+
+def _with_ends(
+    name: str, lower: Array, upper: Array, first: Array, last: tuple[Array, Array], guess: Array
+) -> Variable:
+    lower[0] = upper[0] = guess[0] = first
+    lower[-1], upper[-1] = last
+    guess[-1] = np.clip(guess[-1], *last)
+    return Variable(name, lower, upper, guess)
+
+
+def _column(grid: Grid, what: str) -> Array:
+    return np.array([[getattr(phase, what)] for phase in grid.phases])
+
+
+def _sample(time: Array, values: Array, at: Array) -> Array:
+    return np.stack([np.interp(at, time, column) for column in values.T], axis=-1)
