@@ -1,13 +1,11 @@
 # The public face: what users and plugin authors need, and nothing else. Loaded on first use (lazy_loader reads this file).
 
-# interfaces, one class per family of plugins
-# values that pass from stage to stage
+from .arrays import Array
 from .certificate.certificate import Certificate, Check
-
-# what goes wrong, as the program says it
 from .errors import BadInput, BenchBenchError, IncompatibleCase, NoPlan, Unavailable
 from .mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, evaluate, rows
 from .mpcc.ready import ReadyMade, whole
+from .nlp.ledger import Ledger
 from .nlp.relaxation import Relaxation, Relaxed, Schedule, Shared, Unknown
 from .nlp.solver import (
     TOLERANCE,
@@ -24,13 +22,14 @@ from .nlp.solver import (
 from .ocp.contact import Condition, Contact, Target
 from .ocp.model import Coordinates, Model, Plant
 from .ocp.motion import Motion
-from .ocp.plan import Array, Plan
+from .ocp.node import Node
+from .ocp.plan import Plan
 from .ocp.scenario import Scenario
-from .planning.case import Case, Ledger, ReadyCase, Task
-from .planning.guess import Guess
+from .planning.case import Case, Guess, ReadyCase, Strategy, Task
 from .planning.peer import Peer
-from .planning.strategy import Result, Strategy
-from .transcription.dynamics import Dynamics, Grid, Node, Phase, Trajectory
+from .planning.result import Result
+from .transcription.dynamics import Dynamics
+from .transcription.grid import Grid, Phase, Trajectory
 
 __version__: str
 

@@ -17,10 +17,11 @@ from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.stationarity import stationarity
 from benchbench.mpcc.problem import evaluate
 from benchbench.mpcc.residuals import residuals
+from benchbench.nlp.ledger import Ledger, Watch
 from benchbench.nlp.solver import Claim
 from benchbench.ocp.race import Race
-from benchbench.planning.case import Case, Ledger, ReadyCase, Watch
-from benchbench.planning.strategy import Answer, Outside, Result
+from benchbench.planning.case import Case, ReadyCase
+from benchbench.planning.result import Answer, Outside, Result
 from benchbench.planning.validate import validate
 from benchbench.storage import provenance
 from benchbench.storage.best_known import BestKnown, packaged

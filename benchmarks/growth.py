@@ -22,9 +22,10 @@ import numpy as np
 
 from benchbench.formulation.handover import phases
 from benchbench.mpcc.problem import Block, Mpcc, gather
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.program import assemble
 from benchbench.nlp.solver import Point, Setup
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case
 from benchbench.planning.guess import straight_line
 from benchbench.planning.strategy import judge, planned
 from benchbench.run import config

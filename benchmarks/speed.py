@@ -31,7 +31,7 @@ from benchbench.run import config
 WINDOW = """
 import json, sys, time
 from benchbench.run import config
-from benchbench.planning.case import Ledger
+from benchbench.nlp.ledger import Ledger
 from benchbench.formulation.handover import fixed_window
 from benchbench.planning.guess import straight_line
 from benchbench.planning.strategy import pose
@@ -47,7 +47,7 @@ print(json.dumps({"build": ledger.build_cpu, "solve": ledger.solve_cpu, "iterati
 STRATEGY = """
 import json, sys
 from benchbench.run import config
-from benchbench.planning.case import Ledger
+from benchbench.nlp.ledger import Ledger
 scenario, strategy, mode = sys.argv[1:]
 case = config.compose(f"+scenario={scenario}", f"compile={mode}", f"strategy={strategy}")
 ledger = Ledger(300.0)

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.strategy import Result, Strategy
+from benchbench.nlp.ledger import Ledger
+from benchbench.planning.case import Case, Strategy
+from benchbench.planning.result import Result
 from benchbench_plugins.strategies.phases import Phases
 
 

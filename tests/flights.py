@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.plan import Array, Interpolation, Plan
+from benchbench.ocp.plan import Interpolation, Plan
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator
 
 MOTOR = 1.659 * 9.8066 / 4

@@ -8,13 +8,13 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchbench.arrays import Array
 from benchbench.formulation.handover import free_contact, phases
 from benchbench.mpcc import derivatives
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, gather
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.program import Program, assemble
 from benchbench.nlp.relaxation import relax
-from benchbench.ocp.plan import Array
-from benchbench.planning.case import Ledger
 from benchbench.planning.guess import straight_line
 from benchbench.planning.strategy import pose
 from benchbench.run import config

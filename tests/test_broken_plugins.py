@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from flights import table_one
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks import contacts, dynamics, models, orders, relaxations, solvers
 from benchbench.conformance.checks.programs import known
 from benchbench.conformance.checks.smooth_programs import hs071, quadratic
@@ -22,11 +23,12 @@ from benchbench.nlp.relaxation import Relaxation, Relaxed, Unknown
 from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
 from benchbench.ocp.contact import Condition, Target
 from benchbench.ocp.model import Model, Plant
-from benchbench.ocp.plan import Array
+from benchbench.ocp.node import Node
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
 from benchbench.run import config
-from benchbench.transcription.dynamics import Dynamics, Grid, Node, Trajectory
+from benchbench.transcription.dynamics import Dynamics
+from benchbench.transcription.grid import Grid, Trajectory
 from benchbench.transcription.nodal import NodalTrajectory, cost, each_interval, nodal_variables
 from benchbench_plugins.contacts.position import Position
 from benchbench_plugins.contacts.velocity import Velocity

@@ -13,6 +13,7 @@ import yaml
 from flights import HEIGHT, MOTOR, REST, SHIFT, Polynomial, along_tool, bounce, crossing, surge, table_one
 from pydantic import ValidationError
 
+from benchbench.arrays import Array
 from benchbench.certificate.audit import longest_run
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.certificate import Certificate
@@ -20,7 +21,7 @@ from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import defects, replay
 from benchbench.mpcc.residuals import PairResidual, Residuals
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench_plugins.contacts.floor import Floor
 from benchbench_plugins.contacts.heading import Heading

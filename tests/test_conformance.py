@@ -20,9 +20,8 @@ from benchbench.nlp.solver import Solver
 from benchbench.ocp.contact import Contact
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
-from benchbench.planning.guess import Guess
+from benchbench.planning.case import Guess, Strategy
 from benchbench.planning.peer import Peer
-from benchbench.planning.strategy import Strategy
 from benchbench.registry import FAMILIES, installed
 from benchbench.transcription.dynamics import Dynamics
 from benchbench_plugins.solvers.nlpsol import Nlpsol

@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 from flights import REST, table_one
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks.initial_value import Transcribed, one_phase, transcribe
+from benchbench.formulation.coupling import Coupling, progress_index
 from benchbench.mpcc.problem import evaluate
-from benchbench.ocp.contact import Condition, Contact, Coupling, Target, progress_index
+from benchbench.ocp.contact import Condition, Contact, Target
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion, sample
-from benchbench.ocp.plan import Array
-from benchbench.transcription.dynamics import Grid, Node, Phase
+from benchbench.ocp.node import Node
+from benchbench.transcription.grid import Grid, Phase
 from benchbench_plugins.contacts.floor import Floor
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position

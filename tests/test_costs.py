@@ -6,8 +6,8 @@ import pytest
 
 from benchbench import pipeline
 from benchbench.mpcc.spending import collecting, cpu_s, spending
+from benchbench.nlp.ledger import Ledger, Spent
 from benchbench.nlp.solver import Outcome, Point
-from benchbench.planning.case import Ledger, Spent
 from benchbench.run import config
 from benchbench.storage.schema import Record
 

@@ -18,10 +18,10 @@ from benchbench.formulation.handover import free_contact, phases
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, evaluate
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import homotopy
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.program import assemble
 from benchbench.nlp.relaxation import relax
 from benchbench.nlp.solver import Point, Setup
-from benchbench.planning.case import Ledger
 from benchbench.planning.guess import straight_line
 from benchbench.run.config import compose
 from benchbench_plugins.relaxations.paper import Paper

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from benchbench import pipeline
+from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.formulation.gate_conditions import conditions
 from benchbench.ocp.gates import manner, passes
-from benchbench.ocp.plan import Array
 from benchbench.ocp.track import Gate, Opening, read
 from benchbench.run import config
 

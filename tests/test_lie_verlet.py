@@ -11,10 +11,11 @@ from flights import TABLE_I, table_one
 from scipy.spatial.transform import Rotation
 
 from benchbench import pipeline
+from benchbench.arrays import Array
 from benchbench.conformance.checks.initial_value import fly, integrate, one_phase, told, transcribe
 from benchbench.errors import IncompatibleCase
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.run import config
 from benchbench_plugins.dynamics.lie_verlet import LieVerlet
 from benchbench_plugins.dynamics.verlet import Verlet

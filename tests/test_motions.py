@@ -9,9 +9,9 @@ import pytest
 from pydantic import ValidationError
 from scipy.interpolate import CubicSpline
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.motion import Motion, sample
-from benchbench.ocp.plan import Array
 from benchbench.run import config
 from benchbench_plugins.motions import Circle, Combined, Fixed, Linear, Spline
 

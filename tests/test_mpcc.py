@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, evaluate, gather, rows
-from benchbench.ocp.plan import Array
 
 
 def variable(

@@ -18,11 +18,12 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
+from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay, replay
 from benchbench.errors import BadInput
 from benchbench.ocp.model import Coordinates, Model, Plant, box
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench.report import picture
 from benchbench.report.contact_window import contact_windows

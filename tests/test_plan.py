@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.interpolate import BPoly
 
-from benchbench.ocp.plan import Array, Interpolation, Plan
+from benchbench.arrays import Array
+from benchbench.ocp.plan import Interpolation, Plan
 
 RNG = np.random.default_rng(4)
 TIME = np.array([0.0, 0.1, 0.4, 0.5])

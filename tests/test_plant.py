@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
-from benchbench.ocp.plan import Array
+from benchbench.arrays import Array
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
 from benchbench_plugins.models.attitude_plant import Angles

@@ -18,9 +18,9 @@ from benchbench.errors import IncompatibleCase, Unavailable
 from benchbench.formulation.handover import free_contact, phases
 from benchbench.mpcc.problem import Block, Mpcc, evaluate
 from benchbench.nlp.homotopy import homotopy
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.relaxation import relax
 from benchbench.nlp.solver import Point, Setup
-from benchbench.planning.case import Ledger
 from benchbench.planning.guess import straight_line
 from benchbench.run.config import compose
 from benchbench_plugins.relaxations.none import NoRelaxation

@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 from benchbench import pipeline
+from benchbench.arrays import Array
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array
 from benchbench.planning.case import Case
 from benchbench.run import config
 from benchbench_plugins.models.quadrotor import Quadrotor

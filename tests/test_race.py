@@ -14,15 +14,16 @@ from PIL import Image
 from scipy.integrate import solve_ivp
 
 from benchbench import pipeline
+from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.errors import BadInput
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate
-from benchbench.planning.case import Ledger
 from benchbench.planning.race_start import point_mass_plan
 from benchbench.run import config
 from benchbench.storage.playback import read_mcap

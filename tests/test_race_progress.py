@@ -11,18 +11,20 @@ import numpy as np
 import pytest
 
 from benchbench import pipeline
+from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.race_bound import order_bound, race_bound
 from benchbench.errors import BadInput
 from benchbench.formulation.gates import passed_at
 from benchbench.mpcc.residuals import residuals
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.relaxation import smooth
 from benchbench.nlp.warm_start import carried
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case
 from benchbench.planning.search import Candidate, Found, best_first
 from benchbench.planning.strategy import from_phases, pose
 from benchbench.run import config

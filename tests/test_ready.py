@@ -20,10 +20,10 @@ from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, evaluate
 from benchbench.nlp.homotopy import Path as Schedule
 from benchbench.nlp.homotopy import homotopy
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.program import assemble
 from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Setup, Solver
 from benchbench.pipeline import Run, run, write
-from benchbench.planning.case import Ledger
 from benchbench.run.config import compose, compose_any
 from benchbench.run.summary import show
 from benchbench.storage.table import read

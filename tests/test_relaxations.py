@@ -14,16 +14,17 @@ import pytest
 from pydantic import ValidationError
 from small_mpccs import Small, by_hand, problem, pympcc_problems
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Variable, evaluate, rows
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import Solved, homotopy
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.relaxation import relax, smooth
 from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.pipeline import run
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.guess import Guess
+from benchbench.planning.case import Case, Guess
 from benchbench.run.config import compose, folder
 
 NAMES = sorted(p.stem for p in Path(folder(), "relaxation").glob("*.yaml") if p.stem != "none")

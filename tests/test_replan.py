@@ -8,18 +8,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation.handover import phases
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.program import assemble
 from benchbench.ocp.motion import Motion, same_kind
-from benchbench.ocp.plan import Array, Plan
-from benchbench.planning.case import Case, Ledger
+from benchbench.ocp.plan import Plan
+from benchbench.planning.case import Case
 from benchbench.planning.guess import straight_line
 from benchbench.planning.replan import Replanner, moved, renumbered
+from benchbench.planning.result import Result
 from benchbench.planning.shift import Shift
-from benchbench.planning.strategy import Result, pose
+from benchbench.planning.strategy import pose
 from benchbench.run import config
-from benchbench.transcription.dynamics import Grid, Phase
+from benchbench.transcription.grid import Grid, Phase
 from benchbench_plugins.motions import Circle, Combined, Fixed, Linear
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "replanning.py"

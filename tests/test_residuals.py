@@ -6,9 +6,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Variable, rows
 from benchbench.mpcc.residuals import PairResidual, residuals
-from benchbench.ocp.plan import Array
 
 SIGMA = ca.SX.sym("sigma")
 

@@ -21,7 +21,7 @@ from benchbench.certificate.linearised import Linearised, Tangent
 from benchbench.certificate.multipliers import classify, weak
 from benchbench.certificate.stationarity import Stationarity, stationarity
 from benchbench.mpcc.problem import Mpcc, PairKind
-from benchbench.planning.case import Ledger
+from benchbench.nlp.ledger import Ledger
 from benchbench.planning.strategy import planned
 from benchbench.run import config
 

@@ -13,20 +13,22 @@ from flights import REST, SHIFT, along_tool, crossing, table_one
 from test_certificate import LIMITS, assert_mentions
 
 from benchbench import pipeline
+from benchbench.arrays import Array
 from benchbench.certificate.bound import arm_reach, sequence_bound
 from benchbench.certificate.certify import certify
 from benchbench.conformance.checks.initial_value import one_phase, transcribe
 from benchbench.errors import BadInput
+from benchbench.formulation.coupling import Coupling
 from benchbench.formulation.handover import free_contact
 from benchbench.formulation.open_order import MADE, by_progress
 from benchbench.mpcc.residuals import residuals
-from benchbench.ocp.contact import Coupling
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.stop import Itinerary, Stop
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case
 from benchbench.planning.search import Candidate, Found, best_first
 from benchbench.planning.strategy import pose
 from benchbench.planning.validate import validate

@@ -9,14 +9,17 @@ import numpy as np
 import pytest
 
 from benchbench import pipeline
+from benchbench.arrays import Array
 from benchbench.certificate.window_bound import window_bounds
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation.handover import fixed_window, phase_grid, phases
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.warm_start import carried
-from benchbench.ocp.plan import Array, Plan
-from benchbench.planning.case import Case, Ledger
+from benchbench.ocp.plan import Plan
+from benchbench.planning.case import Case
 from benchbench.planning.guess import first_plan, straight_line
-from benchbench.planning.strategy import Result, judge, planned, pose
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import judge, planned, pose
 from benchbench.planning.windows import Windows, coarser
 from benchbench.run import config
 from benchbench.storage.recording import write_mcap

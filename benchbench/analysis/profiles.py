@@ -7,9 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from benchbench.arrays import Array
 
 Step = tuple[Array, Array]
 """A step function: places (increasing) and the value from each place on."""

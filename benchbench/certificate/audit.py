@@ -6,17 +6,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from benchbench.arrays import Array, Flags
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.contact import Contact
 from benchbench.ocp.model import Plant
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Itinerary, Stop
-
-Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.certificate.race_bound import race_bound
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.stop import Stop

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.certificate.advice import advice
 from benchbench.certificate.replay import Replay
-from benchbench.ocp.plan import Array
 
 Record = dict[str, bool | float | str | tuple[str, ...] | None]
 

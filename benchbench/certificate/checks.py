@@ -6,13 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.certificate.audit import Audit, event_contacts, path_contacts
 from benchbench.certificate.certificate import Check, at_least, at_most, worst
 from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import Defects, Replay
 from benchbench.mpcc.residuals import Residuals
 from benchbench.ocp.model import Coordinates, Model
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 
 Checks = Iterator[Check]

@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
-from benchbench.mpcc.problem import Index, Mpcc
+from benchbench.arrays import Array, Flags, Index
+from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.program import Program, assemble
-from benchbench.ocp.plan import Array
 
-Flags = NDArray[np.bool_]
 LARGEST_RANK = 2000
 """Active constraints beyond which their rank is not computed (a dense matrix, seconds)."""
 SAME = 9

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from benchbench.arrays import Array, Index
 from benchbench.certificate.certificate import Check, at_most, worst
 from benchbench.certificate.checks import outputs
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.gates import Pass, manner, passes
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate
 
@@ -139,7 +139,7 @@ def worst_miss(flight: Replay, race: Race, limits: Limits) -> tuple[int, float]:
     return sum(one.inside for one in found), float(np.max([one.beyond for one in found]))
 
 
-def _input_nodes(plan: Plan) -> NDArray[np.int64]:
+def _input_nodes(plan: Plan) -> Index:
     """Node whose limits hold for each row of a plan's inputs."""
     if plan.interpolation == "linear":
         return np.arange(len(plan.time))

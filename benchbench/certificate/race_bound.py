@@ -19,8 +19,8 @@ from functools import cache
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.ocp.model import Model, Plant
-from benchbench.ocp.plan import Array
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate
 

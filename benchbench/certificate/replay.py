@@ -11,11 +11,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
+from benchbench.arrays import Array, Index
 from benchbench.ocp.model import Plant
-from benchbench.ocp.plan import Array, Plan, bezier
+from benchbench.ocp.plan import Plan, bezier
 
 TOLERANCE = 1e-10
 """Relative and absolute tolerance of a step, far below every limit of the certificate."""
@@ -49,7 +49,7 @@ class Replay:
     time: Array
     configuration: Array
     velocity: Array
-    nodes: NDArray[np.int64]
+    nodes: Index
     restarts: tuple[int, ...]
     broken_at: float | None
 

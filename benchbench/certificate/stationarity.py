@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.certificate.descent import Answer, b_stationary
 from benchbench.certificate.linearised import Linearised
 from benchbench.certificate.multipliers import Kind, Unsettled, classify, weak
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.residuals import Residuals, residuals
-from benchbench.ocp.plan import Array
 
 TOLERANCE = 1e-6
 """KKT residual, and decrease along a direction, up to which a point counts as stationary."""

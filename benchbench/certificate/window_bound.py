@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.certificate.bound import AXES, STEP, arm_reach
 from benchbench.certificate.limits import Limits
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array
 from benchbench.ocp.scenario import Scenario
 
 CELLS = 250

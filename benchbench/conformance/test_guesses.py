@@ -9,8 +9,8 @@ import pytest
 
 from benchbench.conformance.candidates import Candidate, candidates
 from benchbench.conformance.checks.guesses import CHECKS
-from benchbench.planning.case import Case
-from benchbench.planning.guess import Guess, straight_line
+from benchbench.planning.case import Case, Guess
+from benchbench.planning.guess import straight_line
 from benchbench.run import config
 from benchbench.storage.recording import write_mcap
 

@@ -9,8 +9,7 @@ import pytest
 from benchbench.conformance.candidates import Candidate, candidates
 from benchbench.conformance.checks.strategies import CHECKS
 from benchbench.errors import BadInput, Unavailable
-from benchbench.planning.case import Case
-from benchbench.planning.strategy import Strategy
+from benchbench.planning.case import Case, Strategy
 from benchbench.run import config
 
 STRATEGIES = pytest.mark.parametrize("candidate", candidates("strategies"), ids=lambda c: c.name)

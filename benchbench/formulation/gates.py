@@ -17,10 +17,10 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array, Index
 from benchbench.formulation.gate_conditions import Condition, conditions
-from benchbench.mpcc.problem import Block, Index, Mpcc, Pair, Slot, Variable, rows
+from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, rows
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate
 

@@ -8,14 +8,15 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.errors import IncompatibleCase
 from benchbench.formulation import open_order
+from benchbench.formulation.coupling import Coupling, progress_index
+from benchbench.formulation.formulation import Formulation
 from benchbench.mpcc.problem import Block, Mpcc
-from benchbench.ocp.contact import Coupling, progress_index
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Itinerary, Stop, spread
-from benchbench.planning.case import Case
-from benchbench.transcription.dynamics import Grid, Phase, Trajectory
+from benchbench.transcription.grid import Grid, Phase, Trajectory
 from benchbench.transcription.nodal import durations
 
 SHORTEST = 1e-4
@@ -59,7 +60,7 @@ class Problem:
         return progress
 
 
-def free_contact(case: Case, start: Plan) -> Problem:
+def free_contact(case: Formulation, start: Plan) -> Problem:
     """The paper's DMCC: one step size, progress variables, complementarity; guessed from a plan."""
     base, trajectory = _flight(case, start)
     itinerary = case.scenario.itinerary
@@ -74,23 +75,23 @@ def free_contact(case: Case, start: Plan) -> Problem:
     return Problem(mpcc.start_from(guess), trajectory, None, itinerary.stops)
 
 
-def fixed_window(case: Case, start: Plan, nodes: Sequence[int]) -> Problem:
+def fixed_window(case: Formulation, start: Plan, nodes: Sequence[int]) -> Problem:
     """One step size, contact with the only stop imposed at the given nodes: smooth."""
     return fixed_windows(case, start, {case.scenario.itinerary.stops[0].name: tuple(nodes)})
 
 
-def fixed_windows(case: Case, start: Plan, contact: Windows) -> Problem:
+def fixed_windows(case: Formulation, start: Plan, contact: Windows) -> Problem:
     """One step size, contact with each stop that is named imposed at its nodes: smooth."""
     base, trajectory = _flight(case, start)
     return _at_windows(case, base, trajectory, contact)
 
 
-def nearest_held(case: Case, start: Plan) -> Problem:
+def nearest_held(case: Formulation, start: Plan) -> Problem:
     """The same at the nodes nearest to a plan's contacts."""
     return fixed_windows(case, start, nearest_windows(case, start))
 
 
-def phases(case: Case, start: Plan) -> Problem:
+def phases(case: Formulation, start: Plan) -> Problem:
     """Approach, contact, transfer to the next contact, ..., leave with own step sizes: smooth.
 
     The stops are those that `start` claims, in its order. Each contact lasts its `contact_seconds`, or
@@ -100,7 +101,7 @@ def phases(case: Case, start: Plan) -> Problem:
     itinerary = case.scenario.itinerary
     made = claimed_stops(itinerary, start)
     if not made and not itinerary.may_skip_all:
-        fault = f"the start from '{case.names['guess']}' touches none of {', '.join(itinerary.names)}"
+        fault = f"the start that it gives touches none of {', '.join(itinerary.names)}"
         raise IncompatibleCase("guess", fault, "one with a contact, such as simple; or strategy=relax")
     grid, contact, averaged = phase_grid(case, start, made)
     base, trajectory = case.dynamics.transcribe(case.scenario, case.model, grid)
@@ -109,7 +110,9 @@ def phases(case: Case, start: Plan) -> Problem:
     return replace(problem, mpcc=sum(steps, problem.mpcc))
 
 
-def phase_grid(case: Case, start: Plan, made: Sequence[Stop]) -> tuple[Grid, Windows, list[tuple[int, Stop]]]:
+def phase_grid(
+    case: Formulation, start: Plan, made: Sequence[Stop]
+) -> tuple[Grid, Windows, list[tuple[int, Stop]]]:
     """Time axis of the phases, as long as in a plan that makes these stops, else spread over its travel time.
 
     Also returns the nodes of each contact, and which phases are contacts whose duration is a number of steps.
@@ -158,7 +161,7 @@ def _leg_shares(stops: int) -> Array:
     return weights / weights.sum()
 
 
-def _contact_times(case: Case, start: Plan, made: Sequence[Stop]) -> Array:
+def _contact_times(case: Formulation, start: Plan, made: Sequence[Stop]) -> Array:
     """When a plan makes these stops, (stops,) s: the middle of each contact, where it claims them in this order."""
     names = [stop.name for stop in made]
     found = [start.contact(start.stop_names.index(name)) for name in names if name in start.stop_names]
@@ -182,7 +185,7 @@ def nearest_window(plan: Plan, trajectory: Trajectory, count: int, stop: str = "
     return tuple(range(first, first + count))
 
 
-def nearest_windows(case: Case, plan: Plan) -> Windows:
+def nearest_windows(case: Formulation, plan: Plan) -> Windows:
     """The nearest window of the one-phase grid for every stop that a plan makes."""
     _, trajectory = _flight(case, plan)
     return {
@@ -217,14 +220,14 @@ def _kappa(start: Plan, trajectory: Trajectory, stop: Stop) -> Array:
     return np.interp(share, start.time, to_come)
 
 
-def _flight(case: Case, start: Plan) -> tuple[Mpcc, Trajectory]:
+def _flight(case: Formulation, start: Plan) -> tuple[Mpcc, Trajectory]:
     scenario = case.scenario
     grid = Grid((Phase("flight", scenario.intervals, *scenario.travel_time, start.travel_time),))
     base, trajectory = case.dynamics.transcribe(scenario, case.model, grid)
     return base.start_from(trajectory.encode(start)), trajectory
 
 
-def _at_windows(case: Case, base: Mpcc, trajectory: Trajectory, contact: Windows) -> Problem:
+def _at_windows(case: Formulation, base: Mpcc, trajectory: Trajectory, contact: Windows) -> Problem:
     itinerary = case.scenario.itinerary
     made = [stop for stop in itinerary.stops if stop.name in contact]
     for stop in made:
@@ -232,7 +235,7 @@ def _at_windows(case: Case, base: Mpcc, trajectory: Trajectory, contact: Windows
     return Problem(base + open_order.choice(itinerary, made), trajectory, contact, itinerary.stops)
 
 
-def _coupling(case: Case, trajectory: Trajectory, stop: Stop) -> Coupling:
+def _coupling(case: Formulation, trajectory: Trajectory, stop: Stop) -> Coupling:
     return Coupling(
         stop.contacts, case.model, stop.target, trajectory, case.scenario.contact_margin, stop.prefix
     )

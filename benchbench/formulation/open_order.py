@@ -18,9 +18,9 @@ from itertools import combinations
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
+from benchbench.formulation.coupling import Coupling
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, rows
-from benchbench.ocp.contact import Coupling
-from benchbench.ocp.plan import Array
 from benchbench.ocp.stop import Itinerary, Stop
 
 MADE = "made"

@@ -6,21 +6,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from benchbench.arrays import Array
+from benchbench.formulation.formulation import Formulation
 from benchbench.formulation.gates import Place, at_nodes, by_progress, passed_at
 from benchbench.formulation.handover import Problem, Windows
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.gates import passes
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
-from benchbench.planning.case import Case
-from benchbench.planning.race_start import segments
-from benchbench.transcription.dynamics import Grid, Phase, Trajectory
+from benchbench.transcription.grid import Grid, Phase, Trajectory
 
+SHORTEST = 1e-3
+"""Shortest duration of a segment in s."""
 ALLOWANCE = 0.01
 """A plan that misses a gate by less than this, m, is taken to pass it."""
 
 
-def straight_line(race: Race, case: Case) -> Plan:
+def straight_line(race: Race, case: Formulation) -> Plan:
     """Along the straight lines between the gates at the speed of the guess, upright, at hover."""
     model = case.model
     corners = np.array([race.start_position, *(goal.position for goal in race.goals)])
@@ -38,7 +40,16 @@ def straight_line(race: Race, case: Case) -> Plan:
     )  # fmt: skip
 
 
-def phases(race: Race, case: Case, start: Plan) -> Problem:
+def segments(race: Race, intervals: int, guess: Array) -> Grid:
+    """Time axis with one phase per segment; `guess` are their durations (segments,) in s."""
+    longest = race.travel_time[1]
+    names = [f"gate_{i + 1}" for i in range(len(race.goals) - 1)] + ["end"]
+    return Grid(
+        tuple(Phase(n, intervals, SHORTEST, longest, float(s)) for n, s in zip(names, guess, strict=True))
+    )
+
+
+def phases(race: Race, case: Formulation, start: Plan) -> Problem:
     """Each gate is passed at the last node of its segment; guessed from a plan; smooth."""
     grid = segments(race, race.nodes_per_gate, np.diff([0.0, *_times(race, start)]))
     base, trajectory = case.dynamics.transcribe(race, case.model, grid)
@@ -51,7 +62,7 @@ def phases(race: Race, case: Case, start: Plan) -> Problem:
     )
 
 
-def held(race: Race, case: Case, start: Plan) -> Problem:
+def held(race: Race, case: Formulation, start: Plan) -> Problem:
     """One step size, each gate at the node nearest to where the plan passes it; smooth."""
     base, trajectory = _flight(race, case, start)
     nodes = (*nearest_nodes(race, start, trajectory), race.intervals)
@@ -63,7 +74,7 @@ def held(race: Race, case: Case, start: Plan) -> Problem:
     )
 
 
-def free(race: Race, case: Case, start: Plan) -> Problem:
+def free(race: Race, case: Formulation, start: Plan) -> Problem:
     """One step size; progress variables and complementarity say at which nodes the gates are passed."""
     base, trajectory = _flight(race, case, start)
     end = at_nodes(race, _place(case), [race.intervals], race.goals[-1:])
@@ -88,7 +99,7 @@ def _times(race: Race, plan: Plan) -> Sequence[float]:
     return (*(one.time for one in found[:-1]), plan.travel_time)
 
 
-def _flight(race: Race, case: Case, start: Plan) -> tuple[Mpcc, Trajectory]:
+def _flight(race: Race, case: Formulation, start: Plan) -> tuple[Mpcc, Trajectory]:
     grid = Grid((Phase("flight", race.intervals, *race.travel_time, start.travel_time),))
     base, trajectory = case.dynamics.transcribe(race, case.model, grid)
     return base.start_from(trajectory.encode(start)), trajectory
@@ -99,6 +110,6 @@ def _at(nodes: Sequence[int]) -> Windows:
     return {"target": tuple(nodes)}
 
 
-def _place(case: Case) -> Place:
+def _place(case: Formulation) -> Place:
     model = case.model
     return Place("q", len(model.configuration.names), len(model.velocity.names), model)

@@ -26,7 +26,7 @@ import casadi as ca
 import numpy as np
 from platformdirs import user_cache_path
 
-from benchbench.mpcc.problem import Index
+from benchbench.arrays import Index
 
 log = logging.getLogger(__name__)
 Compile = Literal["auto", "never"]

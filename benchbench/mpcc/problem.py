@@ -14,11 +14,9 @@ from typing import Literal
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from benchbench.ocp.plan import Array
+from benchbench.arrays import Array, Flags, Index
 
-Index = NDArray[np.int64]
 PairKind = Literal["complementarity", "vanishing"]
 
 
@@ -156,7 +154,7 @@ class Mpcc:
         return _stack(v.guess for v in self.variables)
 
     @property
-    def integer(self) -> NDArray[np.bool_]:
+    def integer(self) -> Flags:
         """Which unknowns are whole numbers, (n,)."""
         return np.concatenate([np.zeros(0, bool), *(np.full(v.size, v.integer) for v in self.variables)])
 

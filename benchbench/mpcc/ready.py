@@ -8,8 +8,8 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable
-from benchbench.ocp.plan import Array
 
 
 class ReadyMade(ABC):

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, evaluate
-from benchbench.ocp.plan import Array
 
 
 @dataclass(frozen=True)

@@ -9,14 +9,15 @@ from typing import Self
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.errors import IncompatibleCase
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.residuals import residuals
+from benchbench.nlp.ledger import Ledger
+from benchbench.nlp.method import Method
 from benchbench.nlp.relaxation import Smooth, smooth
 from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Progress, Setup
 from benchbench.nlp.warm_start import carried
-from benchbench.ocp.plan import Array
-from benchbench.planning.case import Ledger, Task
 
 GOOD = ("solved", "iteration_limit")
 """Claims after which it is worth to go on from where the solver stopped."""
@@ -58,7 +59,7 @@ class Path:
 
 
 def homotopy(
-    mpcc: Mpcc, case: Task, ledger: Ledger, stage: str, near: Solved | None = None, path: Path | None = None
+    mpcc: Mpcc, case: Method, ledger: Ledger, stage: str, near: Solved | None = None, path: Path | None = None
 ) -> Solved:
     """Solve an MPCC; without pairs it is one smooth solve.
 
@@ -104,7 +105,7 @@ class _Solves:
     a move, and when less time is left than it was granted.
     """
 
-    def __init__(self, mpcc: Mpcc, case: Task, ledger: Ledger, stage: str, near: Solved | None) -> None:
+    def __init__(self, mpcc: Mpcc, case: Method, ledger: Ledger, stage: str, near: Solved | None) -> None:
         self._mpcc, self._case, self._ledger, self._stage = mpcc, case, ledger, stage
         self._warm = near is not None
         self._granted = np.inf  # nothing is built yet
@@ -163,7 +164,7 @@ def _travel_time(outcome: Outcome, where: tuple[int, int] | None) -> float | Non
     return float(outcome.point.x[where[0] : where[0] + where[1]].sum())
 
 
-def _prepare(relaxed: Mpcc, case: Task, ledger: Ledger, watch: Progress | None, warm: bool) -> Prepared:
+def _prepare(relaxed: Mpcc, case: Method, ledger: Ledger, watch: Progress | None, warm: bool) -> Prepared:
     if relaxed.pairs and not case.solver.native_pairs:
         solver, relaxation = case.names["solver"], case.names["relaxation"]
         problem = f"'{relaxation}' leaves the pairs to the solver, but '{solver}' takes none"

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array, Index
 from benchbench.mpcc.derivatives import Compile, Derivatives, derivatives
-from benchbench.mpcc.problem import Block, Index, Mpcc, gather
+from benchbench.mpcc.problem import Block, Mpcc, gather
 from benchbench.mpcc.spending import spending
-from benchbench.ocp.plan import Array
 
 DERIVATIVES = "derivatives"
 """What the CPU time of taking and compiling derivatives is noted as."""

@@ -11,8 +11,8 @@ import casadi as ca
 import numpy as np
 from pydantic import Field
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, evaluate
-from benchbench.ocp.plan import Array
 
 Schedule = Annotated[tuple[Annotated[float, Field(gt=0, allow_inf_nan=False)], ...], Field(min_length=1)]
 """Values of sigma > 0, at least one; a field of this type refuses anything else."""

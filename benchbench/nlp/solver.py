@@ -7,10 +7,10 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
+from benchbench.arrays import Array
 from benchbench.errors import IncompatibleCase
 from benchbench.mpcc.derivatives import Compile
 from benchbench.mpcc.problem import Mpcc
-from benchbench.ocp.plan import Array
 
 Accuracy = Literal["low", "medium", "high"]
 TOLERANCE: dict[Accuracy, float] = {"low": 1e-4, "medium": 1e-6, "high": 1e-8}

@@ -19,11 +19,11 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array, Index
 from benchbench.errors import IncompatibleCase
-from benchbench.mpcc.problem import Block, Index, Mpcc, Slot, Variable, gather
+from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, gather
 from benchbench.nlp.program import Program
 from benchbench.nlp.solver import Point
-from benchbench.ocp.plan import Array
 
 ALL = "stages"
 """Name of the one variable of a staged problem."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.solver import Point
-from benchbench.ocp.plan import Array
 
 
 def carried(mpcc: Mpcc, solved: Mpcc, solution: Point) -> Point:

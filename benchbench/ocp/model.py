@@ -12,9 +12,8 @@ from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-from benchbench.ocp.plan import Array
+from benchbench.arrays import Array, Flags
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,7 @@ class Model(ABC):
             turned[self.configuration.index("yaw")] = heading
         return turned
 
-    def fixed_at_rest(self) -> NDArray[np.bool_]:
+    def fixed_at_rest(self) -> Flags:
         """Which coordinates (n_q,) a place to rest at fixes: all, unless overridden (heading left free)."""
         return np.ones(len(self.configuration.names), bool)
 

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 import casadi as ca
 import numpy as np
 
-from benchbench.ocp.plan import Array
+from benchbench.arrays import Array
 
 BATCH = 1000
 """Times of a target that are evaluated together: CasADi's time to make a map grows with its length."""

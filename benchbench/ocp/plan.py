@@ -7,9 +7,9 @@ from math import comb
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from benchbench.arrays import Array
+
 Interpolation = Literal["hold", "linear", "bezier"]
 
 

@@ -12,10 +12,10 @@ import casadi as ca
 import numpy as np
 from pydantic import Field, InstanceOf, model_validator
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.plan import Array
 from benchbench.ocp.scenario import Ends, Finite, NonNegative, Positive, Scenario
 from benchbench.ocp.track import TRACKS, Gate, Track, is_point, read
 

@@ -9,11 +9,11 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, InstanceOf, model_validator
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.contact import Contact
 from benchbench.ocp.model import Coordinates, Model
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.plan import Array
 from benchbench.ocp.stop import Itinerary, Order, Stop, Visit
 
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]

@@ -9,10 +9,10 @@ from typing import Literal
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.contact import Contacts
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.plan import Array
 
 Order = Literal["fixed", "free"]
 Visit = Literal["all", "one", "optional"]

@@ -1,60 +1,62 @@
-"""A case: one choice from every family, and the bookkeeping of one run."""
+"""A case: one choice from every family; and the interfaces of the two families that see all of it."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
 
 from benchbench.certificate.limits import Limits, ProblemLimits
-from benchbench.mpcc.derivatives import Compile
+from benchbench.errors import IncompatibleCase
+from benchbench.formulation.formulation import Formulation
+from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.ready import ReadyMade
-from benchbench.mpcc.spending import collecting, cpu_s
-from benchbench.nlp.program import DERIVATIVES
-from benchbench.nlp.relaxation import Relaxation
-from benchbench.nlp.solver import Accuracy, Outcome, Progress, Solver
-from benchbench.ocp.model import Model
-from benchbench.ocp.scenario import Scenario
-from benchbench.transcription.dynamics import Dynamics
+from benchbench.nlp.homotopy import Solved
+from benchbench.nlp.ledger import Ledger
+from benchbench.nlp.method import Method
+from benchbench.ocp.plan import Plan
+from benchbench.planning.result import Outside, Result
 
-if TYPE_CHECKING:
-    from benchbench.planning.guess import Guess
-    from benchbench.planning.strategy import Strategy
 
-SHORTEST = 0.1
-"""Wall seconds that any solve is granted."""
-GUESS = "guess"
-"""How the names of stages begin that only make an initial guess."""
+class Guess(ABC):
+    """Gives a plan to start from; it may be dynamically impossible, but makes progress at every stop.
+
+    Where the progress is whole it claims a contact, which phases and windows need.
+    """
+
+    @abstractmethod
+    def plan(self, case: Case, ledger: Ledger) -> Plan:
+        """Return a plan on any grid."""
+
+
+class Strategy(ABC):
+    """Turns a case into a plan."""
+
+    @abstractmethod
+    def solve(self, case: Case, ledger: Ledger) -> Result | Outside:
+        """Return the best plan found; the last word on it is not the strategy's."""
+
+    def answer(self, mpcc: Mpcc, case: Task, ledger: Ledger) -> Solved:
+        """Return the best solution of an MPCC that is no flight; only strategies override it that need no more."""
+        able = "continuation, relax, or another one that needs nothing but an MPCC"
+        problem = f"'{case.names['strategy']}' plans flights, but '{case.names['scenario']}' is none"
+        raise IncompatibleCase("strategy", problem, able)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Task:
-    """How an MPCC is solved and judged; `names` are the names of the choices, by family."""
+class Task(Method):
+    """How an MPCC is solved and judged."""
 
-    relaxation: Relaxation
-    solver: Solver
     strategy: Strategy
     limits: ProblemLimits
-    names: Mapping[str, str]
-    seed: int = 0
-    accuracy: Accuracy = "high"
-    compile: Compile = "auto"
-    time_limit: float = 300.0
-    iteration_limit: int = 3000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Case(Task):
+class Case(Task, Formulation):
     """Everything that decides the run of a flight: one choice from every family.
 
     `task_hash` tells what its travel time may be compared with, see `benchbench.planning.task_hash`.
     """
 
-    scenario: Scenario
-    model: Model
-    dynamics: Dynamics
     guess: Guess
     limits: Limits
     task_hash: str | None = None
@@ -65,120 +67,3 @@ class ReadyCase(Task):
     """Everything that decides the run of an MPCC that comes ready-made."""
 
     scenario: ReadyMade
-
-
-@dataclass(frozen=True)
-class Spent:
-    """CPU seconds of one solve; `functions` is None where the backend does not tell function evaluations apart."""
-
-    stage: str
-    total: float
-    functions: float | None
-
-    @property
-    def guessing(self) -> bool:
-        """The solve only made an initial guess."""
-        return self.stage.startswith(GUESS)
-
-
-@dataclass(frozen=True)
-class Step:
-    """What is known after one solve; `solve_cpu_s` and `iterations` are sums over the run so far.
-
-    travel_time_s is that of the point where the solver stopped, None unless it claims success.
-    """
-
-    stage: str
-    sigma: float
-    travel_time_s: float | None
-    solve_cpu_s: float
-    iterations: int
-
-
-@dataclass
-class Ledger:
-    """What a run has spent so far, and where its progress is shown."""
-
-    time_limit: float
-    watch: Watch | None = None
-    build_cpu: float = 0.0
-    derivatives_cpu: float = 0.0
-    judging_cpu: float = 0.0
-    """Certificates that a strategy looked at on its way."""
-    solves: list[Spent] = field(default_factory=list)
-    iterations: int = 0
-    evaluations: int = 0
-    repeated: bool = False
-    """The run was solved before; only its times count."""
-    relaxed: bool = False
-    """Complementarity pairs were met, so the relaxation played a part."""
-    began: float = field(default_factory=time.perf_counter)
-
-    @contextmanager
-    def building(self) -> Iterator[None]:
-        """Count the CPU time of the body as construction, compilers' included."""
-        before = cpu_s()
-        with collecting() as parts:
-            yield
-        self.build_cpu += cpu_s() - before
-        self.derivatives_cpu += parts.get(DERIVATIVES, 0.0)
-
-    @contextmanager
-    def judging(self) -> Iterator[None]:
-        """Count the CPU time of the body as certificate."""
-        before = cpu_s()
-        yield
-        self.judging_cpu += cpu_s() - before
-
-    def count(self, outcome: Outcome, stage: str = "") -> None:
-        """Add a solve; a stage whose name begins with "guess" only makes an initial guess."""
-        functions = sum(outcome.times.values()) if outcome.times else None
-        self.solves.append(Spent(stage, outcome.cpu_s, functions))
-        self.iterations += outcome.iterations
-        self.evaluations += outcome.evaluations
-
-    def step(self, stage: str, sigma: float, travel_time: float | None) -> None:
-        """Tell the watch that a solve has ended; it may raise Pruned."""
-        if self.watch and not self.repeated:
-            self.watch.step(Step(stage, sigma, travel_time, self.solve_cpu, self.iterations))
-
-    @property
-    def solve_cpu(self) -> float:
-        """CPU seconds of all solves."""
-        return sum(one.total for one in self.solves)
-
-    def costs(self) -> dict[str, float | None]:
-        """Return the columns of the record that say where the CPU time went."""
-        told = [one.functions for one in self.solves if one.functions is not None]
-        functions = sum(told) if self.solves and len(told) == len(self.solves) else None
-        guess = sum(one.total for one in self.solves if one.guessing)
-        return {
-            "build_cpu_s": self.build_cpu,
-            "derivatives_cpu_s": self.derivatives_cpu,
-            "solve_cpu_s": self.solve_cpu,
-            "functions_cpu_s": functions,
-            "linear_algebra_cpu_s": None if functions is None else max(self.solve_cpu - functions, 0.0),
-            "guess_cpu_s": guess,
-            "homotopy_cpu_s": sum(one.total for one in self.solves[:-1] if not one.guessing),
-        }
-
-    @property
-    def seconds_left(self) -> float:
-        """Wall seconds left for the next solve, at least `SHORTEST`."""
-        return max(self.time_limit - (time.perf_counter() - self.began), SHORTEST)
-
-    @property
-    def over(self) -> bool:
-        """Whether no time is left for another solve."""
-        return self.seconds_left <= SHORTEST
-
-
-class Watch:
-    """Where live progress goes; this one shows nothing."""
-
-    def step(self, step: Step) -> None:
-        """Hear that a solve has ended. Raises Pruned to give the run up."""
-
-    def stage(self, name: str, shape: tuple[int, int] | None) -> Progress | None:
-        """Start a stage; `shape` is where in x the durations stand (first, count). Returns the callback."""
-        return None

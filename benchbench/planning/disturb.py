@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from benchbench.ocp.plan import Array, Plan
+from benchbench.arrays import Array
+from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 
 TIME = 0.4

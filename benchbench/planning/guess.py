@@ -1,33 +1,23 @@
-"""Interface of an initial guess, and the simplest one."""
+"""Plain guesses: a plan that is there already, a straight line, hovering along a path."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import final
 
 import numpy as np
 
+from benchbench.arrays import Array
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Stop, spread
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case, Guess
 from benchbench.planning.disturb import disturbed
 
 ABOVE = 0.02
 """How far above the target the straight line passes, m: a guess exactly on it sits on a stationary point."""
-
-
-class Guess(ABC):
-    """Gives a plan to start from; it may be dynamically impossible, but makes progress at every stop.
-
-    Where the progress is whole it claims a contact, which phases and windows need.
-    """
-
-    @abstractmethod
-    def plan(self, case: Case, ledger: Ledger) -> Plan:
-        """Return a plan on any grid."""
 
 
 @final

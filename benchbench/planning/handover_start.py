@@ -7,14 +7,16 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, rows
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.motion import motion_state
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Stop, spread
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case
 from benchbench.planning.guess import over
 from benchbench.planning.point_mass import INTERVALS, SHORTEST, fly
-from benchbench.transcription.dynamics import Grid, Phase
+from benchbench.transcription.grid import Grid, Phase
 from benchbench.transcription.nodal import durations
 
 NEAR, SLOW = 0.1, 0.3

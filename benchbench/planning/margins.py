@@ -13,8 +13,10 @@ import numpy as np
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.checks import rate_ratio
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.strategy import Result, judge
+from benchbench.nlp.ledger import Ledger
+from benchbench.planning.case import Case
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import judge
 
 ROUNDS = 3
 """Solves that may follow the first."""

@@ -10,11 +10,13 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Variable, rows
 from benchbench.nlp.homotopy import homotopy
-from benchbench.ocp.plan import Array, Plan
-from benchbench.planning.case import Case, Ledger
-from benchbench.transcription.dynamics import Grid
+from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.plan import Plan
+from benchbench.planning.case import Case
+from benchbench.transcription.grid import Grid
 from benchbench.transcription.nodal import durations, own_duration, total_time
 
 SHORTEST = 1e-3

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 from benchbench.formulation import handover, race
 from benchbench.formulation.handover import Problem
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.stop import Stop
 from benchbench.planning import guess, handover_start
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case
 from benchbench.planning.race_start import point_mass_plan
 
 Made = Sequence[Stop] | None

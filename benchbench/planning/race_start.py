@@ -5,21 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from benchbench.formulation.gates import Place, at_nodes
+from benchbench.formulation.race import segments
 from benchbench.mpcc.problem import Mpcc
-from benchbench.ocp.plan import Array, Plan
+from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.point_mass import INTERVALS, SHORTEST, fly
-from benchbench.transcription.dynamics import Grid, Phase
-
-
-def segments(race: Race, intervals: int, guess: Array) -> Grid:
-    """Time axis with one phase per segment; `guess` are their durations (segments,) in s."""
-    longest = race.travel_time[1]
-    names = [f"gate_{i + 1}" for i in range(len(race.goals) - 1)] + ["end"]
-    return Grid(
-        tuple(Phase(n, intervals, SHORTEST, longest, float(s)) for n, s in zip(names, guess, strict=True))
-    )
+from benchbench.planning.case import Case
+from benchbench.planning.point_mass import INTERVALS, fly
 
 
 def point_mass_plan(race: Race, case: Case, ledger: Ledger) -> Plan:

@@ -12,20 +12,23 @@ from typing import final
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.formulation.coupling import retargeted
 from benchbench.formulation.handover import SHORTEST, Problem, phases
 from benchbench.mpcc.problem import Variable
 from benchbench.nlp.homotopy import Solved
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.solver import Outcome, Setup
-from benchbench.ocp.contact import retargeted
 from benchbench.ocp.motion import Motion, same_kind
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case
 from benchbench.planning.guess import straight_line
+from benchbench.planning.result import Result
 from benchbench.planning.shift import Shift
-from benchbench.planning.strategy import Result, judge, pose
+from benchbench.planning.strategy import judge, pose
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.solver import Point
-from benchbench.ocp.plan import Array
-from benchbench.transcription.dynamics import Grid
+from benchbench.transcription.grid import Grid
 
 
 @dataclass(frozen=True)

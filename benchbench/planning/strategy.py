@@ -1,85 +1,22 @@
-"""Interface of a strategy: what is done with several solves to get one plan; and what strategies have in common."""
+"""What strategies have in common: pose and solve, judge, retry."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Callable
+from dataclasses import replace
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.errors import IncompatibleCase
 from benchbench.formulation.handover import Problem
-from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.residuals import residuals
-from benchbench.nlp.homotopy import Solved, homotopy
+from benchbench.nlp.homotopy import homotopy
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger, Task
+from benchbench.planning.case import Case, Strategy
 from benchbench.planning.disturb import disturbed
-
-
-@dataclass(frozen=True)
-class Result:
-    """The problem that was posed in the end, its claimed solution, and the plan it says.
-
-    `account`: what the strategy did to get there, as columns of the record.
-    """
-
-    problem: Problem
-    solved: Solved
-    plan: Plan
-    account: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def mpcc(self) -> Mpcc:
-        """The MPCC of the problem."""
-        return self.problem.mpcc
-
-    @property
-    def claimed(self) -> bool:
-        """Whether the solver says it succeeded."""
-        return self.solved.outcome.claim == "solved"
-
-    @property
-    def objective(self) -> float:
-        """Value of the cost, infinite where the solver claims no success."""
-        return self.solved.outcome.objective if self.claimed else float("inf")
-
-    def telling(self, **account: Any) -> Result:
-        """The same result with more columns of its account."""
-        return replace(self, account={**self.account, **account})
-
-
-@dataclass(frozen=True)
-class Outside:
-    """A plan that was made elsewhere, by `planner`: none of our problems was posed, none can be checked."""
-
-    plan: Plan
-    planner: str
-
-
-@dataclass(frozen=True)
-class Answer:
-    """An MPCC that came ready-made, and its claimed solution; there is no plan in it."""
-
-    mpcc: Mpcc
-    solved: Solved
-
-
-class Strategy(ABC):
-    """Turns a case into a plan."""
-
-    @abstractmethod
-    def solve(self, case: Case, ledger: Ledger) -> Result | Outside:
-        """Return the best plan found; the last word on it is not the strategy's."""
-
-    def answer(self, mpcc: Mpcc, case: Task, ledger: Ledger) -> Solved:
-        """Return the best solution of an MPCC that is no flight; only strategies override it that need no more."""
-        able = "continuation, relax, or another one that needs nothing but an MPCC"
-        problem = f"'{case.names['strategy']}' plans flights, but '{case.names['scenario']}' is none"
-        raise IncompatibleCase("strategy", problem, able)
+from benchbench.planning.result import Outside, Result
 
 
 def planned(strategy: Strategy, case: Case, ledger: Ledger) -> Result:

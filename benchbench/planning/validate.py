@@ -10,12 +10,12 @@ import casadi as ca
 import numpy as np
 
 from benchbench import registry
+from benchbench.arrays import Array
 from benchbench.certificate.bound import AXES, arm_reach, lower_bound
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Block, Mpcc, Variable, rows
 from benchbench.nlp.solver import Setup
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.stop import Stop

@@ -13,15 +13,18 @@ from functools import cached_property
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.certificate.window_bound import window_bounds
 from benchbench.errors import IncompatibleCase
 from benchbench.formulation.handover import fixed_window, nearest_windows
-from benchbench.ocp.plan import Array, Plan
+from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case
 from benchbench.planning.margins import BEST_ONLY
+from benchbench.planning.result import Result
 from benchbench.planning.search import Account
-from benchbench.planning.strategy import Result, pose
+from benchbench.planning.strategy import pose
 
 
 @dataclass

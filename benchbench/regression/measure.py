@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from benchbench import pipeline
-from benchbench.planning.case import Case, Ledger
+from benchbench.nlp.ledger import Ledger
+from benchbench.planning.case import Case
 from benchbench.regression.reference import Reference
 from benchbench.run import config
 

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.model import Coordinates, Model
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array, Plan, bezier
+from benchbench.ocp.plan import Plan, bezier
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.stop import Stop
 from benchbench.report.contact_window import stop_windows

@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.offsetbox import AnchoredOffsetbox, HPacker, TextArea
 
-from benchbench.ocp.plan import Array
+from benchbench.arrays import Array
 from benchbench.report.style import CONTACT, CURVES, INK, LIMIT
 
 Points = tuple[Array, Array]

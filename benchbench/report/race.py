@@ -13,11 +13,12 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
+from benchbench.arrays import Array
 from benchbench.certificate.race import as_passed
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate, Triple
 from benchbench.report.panel import draw_panel

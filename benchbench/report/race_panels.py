@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, Plan, bezier
+from benchbench.ocp.plan import Plan, bezier
 from benchbench.ocp.race import Race
 from benchbench.report.panel import Band, Curve, Panel
 

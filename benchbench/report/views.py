@@ -9,11 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from benchbench.arrays import Array
 from benchbench.certificate.race import as_passed
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows, stop_windows

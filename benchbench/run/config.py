@@ -29,9 +29,7 @@ from benchbench.nlp.solver import Solver
 from benchbench.ocp.model import Model
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
-from benchbench.planning.case import Case, ReadyCase
-from benchbench.planning.guess import Guess
-from benchbench.planning.strategy import Strategy
+from benchbench.planning.case import Case, Guess, ReadyCase, Strategy
 from benchbench.planning.task_hash import task_hash
 from benchbench.run import settings
 from benchbench.run.hydra_errors import EXPECTED, PARTS, explained

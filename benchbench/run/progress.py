@@ -10,9 +10,9 @@ from rich.console import Console
 from rich.progress import Progress as Bar
 from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
+from benchbench.arrays import Array
+from benchbench.nlp.ledger import Step, Watch
 from benchbench.nlp.solver import Progress
-from benchbench.ocp.plan import Array
-from benchbench.planning.case import Step, Watch
 
 
 @final

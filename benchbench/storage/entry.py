@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.ocp.plan import Array
+from benchbench.arrays import Array
 
 
 @dataclass(frozen=True)

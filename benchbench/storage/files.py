@@ -10,9 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 
 RECORD, PLAN, SOLUTION = "record.json", "plan.mcap", "solution.json"
@@ -57,7 +55,7 @@ def write_record(folder: Path, record: Mapping[str, Any]) -> Path:
     return path
 
 
-def write_solution(folder: Path, values: Mapping[str, NDArray[np.float64]]) -> Path:
+def write_solution(folder: Path, values: Mapping[str, Array]) -> Path:
     """Write the unknowns of an MPCC by name as `solution.json`, each a list of its rows, and return its path."""
     path = folder / SOLUTION
     write_bytes(path, (json.dumps({name: rows.tolist() for name, rows in values.items()}) + "\n").encode())

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, Interpolation, Plan
+from benchbench.ocp.plan import Interpolation, Plan
 
 POSITION, QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 ANGLES, RATES = ("roll", "pitch", "yaw"), ("wx", "wy", "wz")

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
-from benchbench.ocp.plan import Array
 from benchbench.storage.flight import Flight, continuous
 
 QUATERNION_ERROR = 1e-3

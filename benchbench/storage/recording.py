@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.storage.entry import Entry, nanoseconds
 from benchbench.storage.files import replacing
 

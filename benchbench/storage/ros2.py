@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from benchbench.arrays import Array
 from benchbench.errors import Unavailable
-from benchbench.ocp.plan import Array
 from benchbench.storage.entry import nanoseconds
 from benchbench.storage.flight import Flight
 

@@ -26,8 +26,9 @@ from foxglove.messages import (
     Vector3,
 )
 
+from benchbench.arrays import Array
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.storage.entry import Entry, nanoseconds
 from benchbench.storage.flight import vehicle_pose

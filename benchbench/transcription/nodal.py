@@ -11,13 +11,14 @@ from typing import Literal
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from benchbench.arrays import Array, Index
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, Interpolation, Plan
+from benchbench.ocp.node import Node
+from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.ocp.scenario import Scenario
-from benchbench.transcription.dynamics import Grid, Node
+from benchbench.transcription.grid import Grid
 
 Velocities = Literal["nodal", "mean"]
 
@@ -129,7 +130,7 @@ def nodal_variables(
     )
 
 
-def input_intervals(grid: Grid, input_rows: int) -> NDArray[np.int64]:
+def input_intervals(grid: Grid, input_rows: int) -> Index:
     """Node at which the limits of each row of inputs hold: its own, or the first of its interval."""
     if input_rows == grid.intervals + 1:
         return np.arange(input_rows)

@@ -23,11 +23,13 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, Interpolation, Plan, bernstein
+from benchbench.ocp.node import Node
+from benchbench.ocp.plan import Interpolation, Plan, bernstein
 from benchbench.ocp.scenario import Scenario
-from benchbench.transcription.dynamics import Grid, Node, Trajectory
+from benchbench.transcription.grid import Grid, Trajectory
 from benchbench.transcription.nodal import (
     NodalTrajectory,
     cost,

@@ -6,11 +6,12 @@ from typing import Literal
 
 import casadi as ca
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, bernstein
+from benchbench.ocp.plan import bernstein
 from benchbench.ocp.scenario import Scenario
-from benchbench.transcription.dynamics import Grid, Trajectory
+from benchbench.transcription.grid import Grid, Trajectory
 from benchbench.transcription.nodal import (
     NodalTrajectory,
     cost,

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from scipy.special import roots_jacobi, roots_legendre
 
-from benchbench.ocp.plan import Array
+from benchbench.arrays import Array
 
 Points = Literal["legendre", "radau"]
 

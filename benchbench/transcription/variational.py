@@ -24,7 +24,7 @@ import numpy as np
 from benchbench.mpcc.problem import Block, Mpcc
 from benchbench.ocp.model import Coordinates, Model
 from benchbench.ocp.scenario import Scenario
-from benchbench.transcription.dynamics import Grid, Trajectory
+from benchbench.transcription.grid import Grid, Trajectory
 from benchbench.transcription.nodal import (
     NodalTrajectory,
     Velocities,

@@ -9,7 +9,7 @@ from optuna.pruners import BasePruner
 from optuna.trial import FrozenTrial
 
 from benchbench.errors import Pruned
-from benchbench.planning.case import GUESS, Step
+from benchbench.nlp.ledger import GUESS, Step
 from benchbench.tuning.outcome import good
 from benchbench.tuning.storage import opened
 

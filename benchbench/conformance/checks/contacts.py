@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from benchbench.arrays import Array, Flags
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import random_states
 from benchbench.ocp.contact import Condition, Contact, Target
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array
-from benchbench.transcription.dynamics import Node
+from benchbench.ocp.node import Node
 
 REACH = 3.0
 """States are drawn with gaps of up to about this many limits."""
@@ -131,7 +130,7 @@ def near_states(
     return q, v, tip + offset, np.where(follows, way + drift, along)
 
 
-def _has_direction(model: Model, q: Array, v: Array, position: Array, velocity: Array) -> NDArray[np.bool_]:
+def _has_direction(model: Model, q: Array, v: Array, position: Array, velocity: Array) -> Flags:
     """Nose and target have a ground direction, so that a heading means something."""
     nose = np.linalg.norm(model.plant().nose(q)[:, :2], axis=1)
     return np.asarray((nose > 0.5) & (np.linalg.norm(velocity[:, :2], axis=1) > 0.03))

@@ -17,6 +17,7 @@ from itertools import product
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks.initial_value import (
     Transcribed,
     one_phase,
@@ -27,9 +28,10 @@ from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest
 from benchbench.mpcc.problem import Mpcc, evaluate, gather
 from benchbench.ocp.model import Model
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
-from benchbench.transcription.dynamics import Dynamics, Grid, Phase
+from benchbench.transcription.dynamics import Dynamics
+from benchbench.transcription.grid import Grid, Phase
 from benchbench.transcription.nodal import input_intervals
 
 STATES = ("time", "configuration", "velocity")

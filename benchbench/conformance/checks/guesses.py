@@ -6,10 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks.require import require
-from benchbench.ocp.plan import Array, Plan
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.guess import Guess, first_plan
+from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.plan import Plan
+from benchbench.planning.case import Case, Guess
+from benchbench.planning.guess import first_plan
 
 ROUNDING = 1e-6
 """Limits may be exceeded by what solvers leave, in any unit."""

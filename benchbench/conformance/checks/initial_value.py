@@ -7,20 +7,21 @@ from dataclasses import dataclass, replace
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
+from benchbench.arrays import Array, Flags
 from benchbench.conformance.checks.require import require
 from benchbench.conformance.checks.states import at_rest
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.program import assemble
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
-from benchbench.transcription.dynamics import Dynamics, Grid, Phase, Trajectory
+from benchbench.transcription.dynamics import Dynamics
+from benchbench.transcription.grid import Grid, Phase, Trajectory
 
 Signal = Callable[[Array], Array]
 """Times (n,) s to inputs (n, n_u)."""
@@ -138,7 +139,7 @@ def integrate(transcribed: Transcribed, order: Plan, guess: Plan | None = None) 
     )
 
 
-def _given(transcribed: Transcribed, x: Array) -> NDArray[np.bool_]:
+def _given(transcribed: Transcribed, x: Array) -> Flags:
     """Which unknowns decide times, inputs and the first state of the decoded plan; found by moving each."""
 
     def said(at: Array) -> Array:

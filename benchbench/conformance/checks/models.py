@@ -20,10 +20,10 @@ import casadi as ca
 import numpy as np
 from scipy.integrate import solve_ivp
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest, energies, limited, random_states, symbols
 from benchbench.ocp.model import Model, Plant
-from benchbench.ocp.plan import Array
 
 
 def check_limits(model: Model) -> None:

@@ -16,7 +16,8 @@ from benchbench.conformance.checks.initial_value import Signal, fly, integrate, 
 from benchbench.conformance.checks.require import require
 from benchbench.conformance.checks.states import at_rest, limited, normalised
 from benchbench.ocp.model import Model
-from benchbench.transcription.dynamics import Dynamics, Grid, Phase
+from benchbench.transcription.dynamics import Dynamics
+from benchbench.transcription.grid import Grid, Phase
 
 FLOOR = 1e-12
 """Errors below this are rounding and say nothing about an order."""

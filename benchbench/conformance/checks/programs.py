@@ -9,8 +9,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable
-from benchbench.ocp.plan import Array
 
 Expression = Callable[..., Sequence[Any]]
 

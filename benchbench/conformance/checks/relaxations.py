@@ -19,13 +19,14 @@ from typing import get_args
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import Known, block, unknowns
 from benchbench.conformance.checks.require import close, require
 from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, evaluate, gather
 from benchbench.nlp.homotopy import homotopy
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.relaxation import Relaxation, relax
-from benchbench.ocp.plan import Array
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case
 
 KINDS: tuple[PairKind, ...] = get_args(PairKind)
 POINTS: dict[PairKind, list[tuple[float, float]]] = {

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import block, unknowns
 from benchbench.mpcc.problem import Mpcc
-from benchbench.ocp.plan import Array
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,7 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import Known
 from benchbench.conformance.checks.relaxations import check_solution
 from benchbench.conformance.checks.require import close, require
@@ -38,7 +39,6 @@ from benchbench.mpcc.problem import Mpcc, PairKind
 from benchbench.nlp.program import assemble
 from benchbench.nlp.relaxation import Relaxation, Relaxed
 from benchbench.nlp.solver import Accuracy, Outcome, Point, Setup, Solver
-from benchbench.ocp.plan import Array
 from benchbench.planning.case import Case
 
 SETUP = Setup(seconds=300.0, iterations=3000, accuracy="high", compile="never")

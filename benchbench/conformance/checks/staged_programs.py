@@ -11,10 +11,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import block
 from benchbench.conformance.checks.smooth_programs import Smooth
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
-from benchbench.ocp.plan import Array
 
 N, H = 12, 1 / 12
 Law = Callable[[Any, Any, Any], Any]

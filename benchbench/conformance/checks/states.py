@@ -8,9 +8,9 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import least_squares
 
+from benchbench.arrays import Array
 from benchbench.conformance.checks.require import require
 from benchbench.ocp.model import Coordinates, Model, mass_matrix
-from benchbench.ocp.plan import Array
 
 WIDE = 2.0
 """Where a coordinate has no limit, it is drawn from [-WIDE, WIDE]."""

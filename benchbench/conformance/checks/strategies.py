@@ -9,9 +9,11 @@ import numpy as np
 
 from benchbench.conformance.checks.require import close, require
 from benchbench.mpcc.residuals import residuals
-from benchbench.planning.case import Case, Ledger
+from benchbench.nlp.ledger import Ledger
+from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import first_plan
-from benchbench.planning.strategy import Result, Strategy, planned
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import planned
 from benchbench.storage.schema import make_record
 
 GRANTED = 20.0

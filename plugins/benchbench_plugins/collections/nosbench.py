@@ -13,10 +13,10 @@ import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.ready import ReadyMade, whole
-from benchbench.ocp.plan import Array
 
 FUNCTIONS = {"f": "augmented_objective_fun", "g": "g_fun", "G": "G_fun", "H": "H_fun"}
 NUMBERS = ("w0", "lbw", "ubw", "lbg", "ubg", "p0")

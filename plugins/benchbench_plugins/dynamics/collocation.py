@@ -10,7 +10,8 @@ from pydantic.dataclasses import dataclass
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Scenario
-from benchbench.transcription.dynamics import Dynamics, Grid, Trajectory
+from benchbench.transcription.dynamics import Dynamics
+from benchbench.transcription.grid import Grid, Trajectory
 from benchbench.transcription.runge_kutta import Inputs, transcribe
 from benchbench.transcription.tableau import Points, collocation
 

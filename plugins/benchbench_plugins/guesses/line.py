@@ -6,10 +6,10 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.guess import Guess
+from benchbench.planning.case import Case, Guess
 
 
 @final

@@ -8,12 +8,14 @@ from typing import final
 import numpy as np
 from pydantic.dataclasses import dataclass
 
+from benchbench.arrays import Array
 from benchbench.errors import IncompatibleCase
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Array, Plan
+from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.guess import Guess, hovering, over
+from benchbench.planning.case import Case, Guess
+from benchbench.planning.guess import hovering, over
 
 PEAK = 1.875
 """Largest speed of a minimum-jerk flight from rest to rest, times its duration over its length."""

@@ -8,9 +8,10 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.formulation.handover import WHOLE
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.guess import Guess, hovering
+from benchbench.planning.case import Case, Guess
+from benchbench.planning.guess import hovering
 
 
 @final

@@ -7,10 +7,10 @@ from typing import final
 from pydantic import ConfigDict, InstanceOf
 from pydantic.dataclasses import dataclass
 
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.guess import Guess
+from benchbench.planning.case import Case, Guess
 from benchbench.planning.strategy import from_phases
 
 

@@ -8,9 +8,9 @@ from typing import final
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.guess import Guess
+from benchbench.planning.case import Case, Guess
 from benchbench.storage.files import PLAN
 from benchbench.storage.playback import read_mcap
 

@@ -11,13 +11,12 @@ from typing import Any, Literal, final
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
+from benchbench.arrays import Array, Flags
 from benchbench.errors import BadInput, invalid
 from benchbench.ocp.model import Coordinates, Model, Plant, box
-from benchbench.ocp.plan import Array
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
 from benchbench_plugins.models.attitude import ATTITUDES, Kind
@@ -146,7 +145,7 @@ class AerialManipulator(Model):
         """Level, nose at a heading."""
         return np.concatenate([q[:3], self._attitude.headed(heading), q[-1:]])
 
-    def fixed_at_rest(self) -> NDArray[np.bool_]:
+    def fixed_at_rest(self) -> Flags:
         """All, but qw, which follows from the others."""
         return np.array([name != "qw" for name in self.configuration.names])
 

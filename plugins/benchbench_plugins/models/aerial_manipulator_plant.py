@@ -19,8 +19,8 @@ from typing import final
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.ocp.model import Plant
-from benchbench.ocp.plan import Array
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
 from benchbench_plugins.models.attitude_plant import Angles, AttitudePlant
 

@@ -12,7 +12,7 @@ import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from benchbench.ocp.plan import Array
+from benchbench.arrays import Array
 from benchbench_plugins.models.attitude_plant import Angles, AttitudePlant, Quaternions
 
 Kind = Literal["euler", "quaternion"]

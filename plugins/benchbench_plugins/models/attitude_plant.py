@@ -10,7 +10,7 @@ from typing import final
 
 import numpy as np
 
-from benchbench.ocp.plan import Array
+from benchbench.arrays import Array
 
 
 class AttitudePlant(ABC):

@@ -11,13 +11,12 @@ from typing import final
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from pydantic.dataclasses import dataclass
 from scipy.spatial.transform import Rotation
 
+from benchbench.arrays import Array, Flags
 from benchbench.errors import BadInput
 from benchbench.ocp.model import Coordinates, Model, Plant, box
-from benchbench.ocp.plan import Array
 from benchbench.ocp.scenario import NonNegative, Positive, Range
 from benchbench_plugins.models.attitude import ATTITUDES, Attitude, Kind
 from benchbench_plugins.models.quadrotor_plant import QuadrotorPlant
@@ -118,7 +117,7 @@ class Quadrotor(Model):
         first = self.ramp.motor_force if self.ramp else high
         return np.full((len(flown), 4), low), self._along(flown, (first,) * 4, (high,) * 4)
 
-    def fixed_at_rest(self) -> NDArray[np.bool_]:
+    def fixed_at_rest(self) -> Flags:
         """Place, roll and pitch, not the heading."""
         return np.array([True] * 3 + list(self._attitude.level))
 

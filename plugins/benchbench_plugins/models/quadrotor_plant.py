@@ -6,8 +6,8 @@ from typing import final
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.ocp.model import Plant
-from benchbench.ocp.plan import Array
 from benchbench_plugins.models.attitude_plant import AttitudePlant, Quaternions
 
 SIDES = np.array([[1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])

@@ -9,8 +9,8 @@ import numpy as np
 from pydantic import InstanceOf
 from pydantic.dataclasses import dataclass
 
+from benchbench.arrays import Array
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.plan import Array
 
 
 @final

@@ -10,9 +10,9 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 from scipy.interpolate import CubicSpline
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.plan import Array
 
 FIELD = "scenario.target.csv"
 

@@ -13,11 +13,11 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.errors import BadInput, Unavailable
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.program import Program, assemble
 from benchbench.nlp.solver import Claim, Outcome, Parametric, Point, Prepared, Setup
-from benchbench.ocp.plan import Array
 from benchbench_plugins.solvers.library import oracle, signatures
 from benchbench_plugins.solvers.output import last_line
 from benchbench_plugins.solvers.output import quiet as quiet

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchbench.arrays import Array
 from benchbench.nlp.solver import Claim, Outcome, Point, Progress
-from benchbench.ocp.plan import Array
 from benchbench_plugins.solvers.cvxpy_backend_model import Linear, Model
 from benchbench_plugins.solvers.cvxpy_backend_qp import Step, Subproblem
 

@@ -8,10 +8,10 @@ import casadi as ca
 import numpy as np
 from scipy import sparse
 
+from benchbench.arrays import Array, Index
 from benchbench.mpcc.derivatives import Compile, Derivatives, derivatives
-from benchbench.mpcc.problem import Block, Index, Mpcc, gather
+from benchbench.mpcc.problem import Block, Mpcc, gather
 from benchbench.nlp.program import Program, assemble
-from benchbench.ocp.plan import Array
 
 
 @dataclass(frozen=True)

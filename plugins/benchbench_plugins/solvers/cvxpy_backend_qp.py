@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from benchbench.arrays import Array, Index
 from benchbench.errors import Unavailable
-from benchbench.mpcc.problem import Index
-from benchbench.ocp.plan import Array
 from benchbench_plugins.solvers.cvxpy_backend_model import Linear, Model
 
 

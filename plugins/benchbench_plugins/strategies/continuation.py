@@ -11,9 +11,10 @@ from pydantic.dataclasses import dataclass
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.homotopy import Path, Solved, homotopy
+from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.relaxation import Relaxation
-from benchbench.planning.case import Case, Ledger, Task
-from benchbench.planning.strategy import Result, Strategy
+from benchbench.planning.case import Case, Strategy, Task
+from benchbench.planning.result import Result
 
 
 @final

@@ -8,10 +8,11 @@ from typing import Annotated, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.planning.case import Case, Ledger
+from benchbench.nlp.ledger import Ledger
+from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import first_plan
 from benchbench.planning.margins import measured
-from benchbench.planning.strategy import Result, Strategy
+from benchbench.planning.result import Result
 from benchbench.planning.windows import Windows, check_one_contact, coarser, solved_again
 
 

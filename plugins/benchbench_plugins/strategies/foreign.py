@@ -9,8 +9,9 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.certificate.audit import claimed
 from benchbench.errors import BadInput
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.strategy import Outside, Strategy
+from benchbench.nlp.ledger import Ledger
+from benchbench.planning.case import Case, Strategy
+from benchbench.planning.result import Outside
 from benchbench.storage.flight import plan_of
 from benchbench.storage.flight_csv import read_csv
 

@@ -9,8 +9,10 @@ from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
 from benchbench.analysis.wilson import wilson
-from benchbench.planning.case import Case, Ledger
-from benchbench.planning.strategy import Result, Strategy, judge, planned
+from benchbench.nlp.ledger import Ledger
+from benchbench.planning.case import Case, Strategy
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import judge, planned
 
 SAME = 1e-4
 """Optima whose costs differ by less than this share of them are one."""

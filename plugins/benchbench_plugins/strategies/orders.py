@@ -10,11 +10,13 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.certificate.race_bound import order_bound
 from benchbench.errors import BadInput
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.race import Race
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case, Strategy
+from benchbench.planning.result import Result
 from benchbench.planning.search import Candidate, Found, best_first
-from benchbench.planning.strategy import Result, Strategy, pose
+from benchbench.planning.strategy import pose
 
 Order = tuple[int, ...]
 

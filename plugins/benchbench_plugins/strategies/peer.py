@@ -10,9 +10,10 @@ from pydantic.dataclasses import dataclass
 from benchbench.certificate.audit import claimed
 from benchbench.errors import BadInput
 from benchbench.mpcc.spending import cpu_s
-from benchbench.planning.case import Case, Ledger, Spent
+from benchbench.nlp.ledger import Ledger, Spent
+from benchbench.planning.case import Case, Strategy
 from benchbench.planning.peer import Peer, ask
-from benchbench.planning.strategy import Outside, Strategy
+from benchbench.planning.result import Outside
 
 
 @final

@@ -8,12 +8,14 @@ from typing import Annotated, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import Given
 from benchbench.planning.margins import measured
-from benchbench.planning.strategy import Result, Strategy, pose, retried
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import pose, retried
 
 
 @final

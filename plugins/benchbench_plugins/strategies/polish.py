@@ -7,9 +7,11 @@ from typing import Annotated, final
 from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
-from benchbench.planning.case import Case, Ledger
+from benchbench.nlp.ledger import Ledger
+from benchbench.planning.case import Case, Strategy
 from benchbench.planning.margins import measured
-from benchbench.planning.strategy import Result, Strategy, judge, planned
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import judge, planned
 from benchbench.planning.windows import Windows, check_one_contact, solved_again
 
 

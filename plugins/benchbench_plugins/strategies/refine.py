@@ -9,10 +9,12 @@ from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.race import Race
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import Given
-from benchbench.planning.strategy import Result, Strategy, judge, planned
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import judge, planned
 from benchbench.planning.validate import numbers
 
 

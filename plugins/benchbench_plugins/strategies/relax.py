@@ -8,10 +8,12 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.homotopy import Solved, homotopy
+from benchbench.nlp.ledger import Ledger
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger, Task
+from benchbench.planning.case import Case, Strategy, Task
 from benchbench.planning.guess import first_plan
-from benchbench.planning.strategy import Result, Strategy, pose
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import pose
 
 
 @final

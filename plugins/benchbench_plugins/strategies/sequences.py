@@ -9,12 +9,14 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.certificate.bound import sequence_bound
+from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.stop import Stop
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case, Strategy
 from benchbench.planning.margins import BEST_ONLY, measured
+from benchbench.planning.result import Result
 from benchbench.planning.search import Candidate, Found, best_first
-from benchbench.planning.strategy import Result, Strategy, pose
+from benchbench.planning.strategy import pose
 
 
 @final

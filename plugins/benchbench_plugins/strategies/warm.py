@@ -6,10 +6,12 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
+from benchbench.nlp.ledger import Ledger
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Ledger
+from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import first_plan
-from benchbench.planning.strategy import Result, Strategy, from_phases, pose
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import from_phases, pose
 
 
 @final

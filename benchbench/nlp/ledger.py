@@ -1,0 +1,134 @@
+"""The bookkeeping of one run: what it has spent, and who watches."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from benchbench.mpcc.spending import collecting, cpu_s
+from benchbench.nlp.program import DERIVATIVES
+from benchbench.nlp.solver import Outcome, Progress
+
+SHORTEST = 0.1
+"""Wall seconds that any solve is granted."""
+GUESS = "guess"
+"""How the names of stages begin that only make an initial guess."""
+
+
+@dataclass(frozen=True)
+class Spent:
+    """CPU seconds of one solve; `functions` is None where the backend does not tell function evaluations apart."""
+
+    stage: str
+    total: float
+    functions: float | None
+
+    @property
+    def guessing(self) -> bool:
+        """The solve only made an initial guess."""
+        return self.stage.startswith(GUESS)
+
+
+@dataclass(frozen=True)
+class Step:
+    """What is known after one solve; `solve_cpu_s` and `iterations` are sums over the run so far.
+
+    travel_time_s is that of the point where the solver stopped, None unless it claims success.
+    """
+
+    stage: str
+    sigma: float
+    travel_time_s: float | None
+    solve_cpu_s: float
+    iterations: int
+
+
+@dataclass
+class Ledger:
+    """What a run has spent so far, and where its progress is shown."""
+
+    time_limit: float
+    watch: Watch | None = None
+    build_cpu: float = 0.0
+    derivatives_cpu: float = 0.0
+    judging_cpu: float = 0.0
+    """Certificates that a strategy looked at on its way."""
+    solves: list[Spent] = field(default_factory=list)
+    iterations: int = 0
+    evaluations: int = 0
+    repeated: bool = False
+    """The run was solved before; only its times count."""
+    relaxed: bool = False
+    """Complementarity pairs were met, so the relaxation played a part."""
+    began: float = field(default_factory=time.perf_counter)
+
+    @contextmanager
+    def building(self) -> Iterator[None]:
+        """Count the CPU time of the body as construction, compilers' included."""
+        before = cpu_s()
+        with collecting() as parts:
+            yield
+        self.build_cpu += cpu_s() - before
+        self.derivatives_cpu += parts.get(DERIVATIVES, 0.0)
+
+    @contextmanager
+    def judging(self) -> Iterator[None]:
+        """Count the CPU time of the body as certificate."""
+        before = cpu_s()
+        yield
+        self.judging_cpu += cpu_s() - before
+
+    def count(self, outcome: Outcome, stage: str = "") -> None:
+        """Add a solve; a stage whose name begins with "guess" only makes an initial guess."""
+        functions = sum(outcome.times.values()) if outcome.times else None
+        self.solves.append(Spent(stage, outcome.cpu_s, functions))
+        self.iterations += outcome.iterations
+        self.evaluations += outcome.evaluations
+
+    def step(self, stage: str, sigma: float, travel_time: float | None) -> None:
+        """Tell the watch that a solve has ended; it may raise Pruned."""
+        if self.watch and not self.repeated:
+            self.watch.step(Step(stage, sigma, travel_time, self.solve_cpu, self.iterations))
+
+    @property
+    def solve_cpu(self) -> float:
+        """CPU seconds of all solves."""
+        return sum(one.total for one in self.solves)
+
+    def costs(self) -> dict[str, float | None]:
+        """Return the columns of the record that say where the CPU time went."""
+        told = [one.functions for one in self.solves if one.functions is not None]
+        functions = sum(told) if self.solves and len(told) == len(self.solves) else None
+        guess = sum(one.total for one in self.solves if one.guessing)
+        return {
+            "build_cpu_s": self.build_cpu,
+            "derivatives_cpu_s": self.derivatives_cpu,
+            "solve_cpu_s": self.solve_cpu,
+            "functions_cpu_s": functions,
+            "linear_algebra_cpu_s": None if functions is None else max(self.solve_cpu - functions, 0.0),
+            "guess_cpu_s": guess,
+            "homotopy_cpu_s": sum(one.total for one in self.solves[:-1] if not one.guessing),
+        }
+
+    @property
+    def seconds_left(self) -> float:
+        """Wall seconds left for the next solve, at least `SHORTEST`."""
+        return max(self.time_limit - (time.perf_counter() - self.began), SHORTEST)
+
+    @property
+    def over(self) -> bool:
+        """Whether no time is left for another solve."""
+        return self.seconds_left <= SHORTEST
+
+
+class Watch:
+    """Where live progress goes; this one shows nothing."""
+
+    def step(self, step: Step) -> None:
+        """Hear that a solve has ended. Raises Pruned to give the run up."""
+
+    def stage(self, name: str, shape: tuple[int, int] | None) -> Progress | None:
+        """Start a stage; `shape` is where in x the durations stand (first, count). Returns the callback."""
+        return None
