@@ -333,12 +333,39 @@ def test_restarts_forget_the_past(good: Plan) -> None:
     assert replay(plan, MODEL.plant(), restart_seconds=0.4).restarts == (5, 10, 15)
 
 
-def test_defects_do_not_depend_on_each_other(good: Plan) -> None:
+@pytest.mark.parametrize("node", [0, 7, 20])
+def test_defects_belong_to_the_intervals_beside_a_wrong_node(good: Plan, node: int) -> None:
+    """A node moved along x misses nothing else: the interval before ends short of it, the one after begins off it."""
     bent = good.configuration.copy()
-    bent[7, 0] += 0.01
-    missed = defects(replace(good, configuration=bent), MODEL.plant()).configuration[:, 0]
-    np.testing.assert_allclose(missed[[6, 7]], [-0.01, 0.01], atol=1e-6)
-    np.testing.assert_allclose(np.delete(missed, [6, 7]), 0, atol=1e-6)
+    bent[node, 0] += 0.01
+    missed = defects(replace(good, configuration=bent), MODEL.plant())
+    expected = np.zeros((22, 7))
+    expected[node : node + 2, 0] = -0.01, 0.01
+    np.testing.assert_allclose(missed.configuration, expected[1:-1], atol=1e-6)
+    np.testing.assert_allclose(missed.velocity, 0, atol=1e-6)
+
+
+@pytest.mark.parametrize("interval", [0, 7, 19])
+def test_every_interval_is_asked_for_its_defect(good: Plan, interval: int) -> None:
+    """Three newtons more in one motor for one interval, which the planned nodes know nothing of."""
+    pushed = good.inputs.copy()
+    pushed[interval, 0] += 3.0
+    certificate = certify(replace(good, inputs=pushed), task(good), MODEL, LIMITS)
+    assert_mentions(certificate, "angle defect of one interval", f"in interval {interval} (")
+
+
+@pytest.mark.parametrize(("share", "enough"), [(0.9, True), (1.1, False)])
+def test_progress_hidden_below_the_claims_is_all_that_may_be_missing(
+    good: Plan, share: float, enough: bool
+) -> None:
+    """Every node may keep as much as no node has to claim, 21 * 1e-3 here, and not more."""
+    plan = claimed(good, FIRST, LAST)
+    plan.progress[LAST] -= share * LIMITS.contact_claim * len(plan.time)
+    certificate = certify(plan, task(good), MODEL, LIMITS)
+    assert certificate.certified == enough
+    if not enough:
+        reason = only_reason(certificate)
+        assert reason == "the progress made in that contact is only 1.9769, required 2"
 
 
 def test_longest_run() -> None:

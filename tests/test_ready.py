@@ -15,9 +15,12 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from benchbench.certificate.certify import certify_problem
+from benchbench.certificate.limits import ProblemLimits
 from benchbench.cli import commands
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, evaluate
+from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import Path as Schedule
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
@@ -217,12 +220,20 @@ def test_a_file_that_is_damaged(data: bytes, tmp_path: Path) -> None:
     assert caught.value.field == "scenario.path"
 
 
-def test_without_other_limits_the_signs_of_pairs_are_asked_for(told: dict[str, Any], tmp_path: Path) -> None:
-    told |= {"lbw": [-9, -9, 0.5], "w0": [-1, -1, 0.5]}
-    none = ("certificate.product=null", "certificate.complementarity=null")
-    done = solved(stored(told, tmp_path / "small.json"), *none)
-    signs = [c for c in done.certificate.checks if c.name == "complementarity_sign"]
-    assert len(signs) == 1 and signs[0].limit == done.case.limits.residual
+@pytest.mark.parametrize(
+    ("a", "b", "violation"), [(3.0, 0.0, 0.0), (3.0, -1e-3, 1e-3), (-2e-3, 1.0, 2e-3), (-1e-3, -4e-3, 4e-3)]
+)
+def test_without_other_limits_the_signs_of_pairs_are_asked_for(
+    a: float, b: float, violation: float, told: dict[str, Any], tmp_path: Path
+) -> None:
+    """At points of our own: all bounds and rows of the file hold there, only G = a or H = b is below zero."""
+    told |= {"lbw": [-9, -9, 0.5]}
+    mpcc = MpccFile(stored(told, tmp_path / "small.json")).mpcc()
+    limits = ProblemLimits(residual=1e-6, complementarity=None, product=None)
+    certificate = certify_problem(residuals(mpcc, np.array([a, b, 0.5])), limits)
+    (signs,) = (check for check in certificate.checks if check.name == "complementarity_sign")
+    assert (signs.value, signs.limit) == (violation, 1e-6)
+    assert signs.ok == certificate.certified == (violation == 0.0)
 
 
 @pytest.mark.parametrize(

@@ -90,19 +90,41 @@ def points(kind: PairKind) -> Mpcc:
 @pytest.mark.parametrize("sigma", [0.5, 0.05])
 def test_the_relaxed_set(name: str, kind: PairKind, sigma: float) -> None:
     relaxation = case(name).relaxation
-    if kind not in relaxation.kinds:
-        pytest.skip("slack form, tested with solutions")
     relaxed = relax(points(kind), relaxation)
     g, h = relaxed.split(relaxed.guess)["x"].T
-    block = relaxed.constraints[0]
-    value = evaluate(block, relaxed, relaxed.guess, sigma)
-    allowed = np.all((value >= block.lower - 1e-12) & (value <= block.upper + 1e-12), axis=1)
+    if kind not in relaxation.kinds:
+        h = np.maximum(h, 0)  # the slack, which is guessed as small as it may be
+    found = allowed(relaxed, relaxed.guess, sigma)
     with np.errstate(divide="ignore"):
         wanted = SETS[name](g, h, sigma)
     if name in SIGNED and kind == "complementarity":
         wanted &= h >= 0
-    assert np.array_equal(allowed, wanted)
+    assert np.array_equal(found, wanted)
     assert 50 < wanted.sum() < len(wanted) - 50
+
+
+def test_the_slack_form_of_a_vanishing_pair() -> None:
+    """0 <= G, s >= H, s >= 0, G s <= sigma: with the smallest slack the set of the pair, with a smaller one nothing."""
+    sigma, relaxation = 0.5, replace(case("scholtes").relaxation, kinds=("complementarity",))  # type: ignore[type-var]
+    relaxed = relax(points("vanishing"), relaxation)
+    values = relaxed.split(relaxed.guess)
+    (g, h), slack = values["x"].T, values["touch_slack"][:, 0]
+    np.testing.assert_array_equal(slack, np.maximum(h, 0))
+    assert all(v.lower.min() == 0 for v in relaxed.variables if v.name == "touch_slack")
+    known = replace(points("vanishing").pairs[0], sign_known=True)
+    unsigned = relax(replace(points("vanishing"), pairs=(known,)), relaxation)
+    for given, wanted in ((relaxed, (g >= 0) & (g * slack <= sigma)), (unsigned, g * slack <= sigma)):
+        assert np.array_equal(allowed(given, given.guess, sigma), wanted)
+        lower = given.start_from({"touch_slack": slack - 0.1}).guess
+        assert not np.any(allowed(given, lower, sigma) & (h > 0.1))
+    assert np.any((g < 0) & (g * slack <= sigma))
+
+
+def allowed(relaxed: Mpcc, x: Array, sigma: float) -> Array:
+    """Which instances keep all rows, (instances,)."""
+    block = relaxed.constraints[0]
+    value = evaluate(block, relaxed, x, sigma)
+    return np.all((value >= block.lower - 1e-12) & (value <= block.upper + 1e-12), axis=1)
 
 
 # --- penalties and multipliers, against closed forms --------------------------------------------------------

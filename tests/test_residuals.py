@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import casadi as ca
 import numpy as np
 import pytest
 
 from benchbench.arrays import Array
-from benchbench.mpcc.problem import Block, Mpcc, Pair, Variable, rows
-from benchbench.mpcc.residuals import PairResidual, residuals
+from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Variable, rows
+from benchbench.mpcc.residuals import PairResidual, Residuals, residuals
 
 SIGMA = ca.SX.sym("sigma")
 
@@ -23,7 +25,7 @@ def block(name: str, out: ca.SX, z: ca.SX, lower: float, upper: float, instances
     return Block(name, function, slots, np.zeros((instances, 0)), low, high)
 
 
-def problem(kind: str = "complementarity") -> Mpcc:
+def problem(kind: PairKind = "complementarity") -> Mpcc:
     """a_i + b_i <= 1 for three rows, 0 <= a_i perpendicular to b_i (- 2 where it vanishes), |a|, |b| <= 5."""
     z = ca.SX.sym("z", 2)
     h = z[1] if kind == "complementarity" else z[1] - 2
@@ -74,6 +76,62 @@ def test_a_vanishing_pair() -> None:
     assert residuals(problem("vanishing"), point(held, free, free)).max_complementarity == 0
     found = residuals(problem("vanishing"), point(held, free, broken))
     assert found.pairs["touch"] == PairResidual(negativity=0.0, natural=0.25, product=0.125)
+
+
+@pytest.mark.parametrize(
+    ("kind", "g", "h", "expected"),
+    [
+        ("complementarity", 2.0, 0.5, PairResidual(0.0, 0.5, 1.0)),
+        ("complementarity", 0.0, 3.0, PairResidual(0.0, 0.0, 0.0)),
+        ("complementarity", -0.25, 1.0, PairResidual(0.25, 0.25, 0.0)),
+        ("complementarity", 1.0, -0.5, PairResidual(0.5, 0.5, 0.0)),
+        ("complementarity", -0.125, -0.5, PairResidual(0.5, 0.5, 0.0625)),
+        ("vanishing", 2.0, 0.5, PairResidual(0.0, 0.5, 1.0)),
+        ("vanishing", 0.5, 2.0, PairResidual(0.0, 0.5, 1.0)),
+        ("vanishing", 1.0, -0.5, PairResidual(0.0, 0.0, 0.0)),
+        ("vanishing", -0.25, 1.0, PairResidual(0.25, 0.25, 0.0)),
+        ("vanishing", -0.125, -0.5, PairResidual(0.125, 0.125, 0.0)),
+    ],
+)
+@pytest.mark.parametrize("row", [0, 2])
+def test_each_number_of_a_pair(kind: PairKind, g: float, h: float, expected: PairResidual, row: int) -> None:
+    """One of three instances is off, the others are at G = 0, H = 1."""
+    shift = 2.0 if kind == "vanishing" else 0.0
+    pairs = np.array([(0.0, 1.0 + shift)] * 3)
+    pairs[row] = g, h + shift
+    found = residuals(problem(kind), pairs.ravel())
+    assert found.pairs == {"touch": expected}
+    assert found.max_negativity == expected.negativity
+    assert found.max_product == expected.product
+    assert found.max_complementarity == expected.natural
+
+
+def test_pairs_of_one_name_are_taken_together_number_by_number() -> None:
+    """The first block of the name is worst in sign, the second in what is left over."""
+    z = ca.SX.sym("z", 2)
+    first = Pair(block("touch", ca.vertcat(z[0], z[1]), z, 0, 0, 1), "complementarity")
+    other = Pair(block("touch", ca.vertcat(z[0] + 2, z[1]), z, 0, 0, 1), "complementarity")
+    ab = problem().variables
+    for pairs in ((first, other), (other, first)):
+        found = residuals(Mpcc(ab, (), (), pairs), point((-1, 3), (0, 0), (0, 0)))
+        assert found.pairs == {"touch": PairResidual(1.0, 1.0, 3.0)}
+    for pairs in ((first, other), (other, first)):
+        found = residuals(Mpcc(ab, (), (), pairs), point((-0.5, 3), (0, 0), (0, 0)))
+        assert found.pairs == {"touch": PairResidual(0.5, 1.5, 4.5)}
+
+
+def test_each_worst_value_is_taken_over_all_blocks() -> None:
+    found = Residuals(
+        0.125, {"a": 0.5, "b": 0.25}, {"c": PairResidual(3.0, 1.0, 2.0), "d": PairResidual(0, 4, 5)}
+    )
+    assert (found.max_violation, found.worst_constraint) == (0.5, "a")
+    assert (found.max_complementarity, found.max_negativity, found.max_product) == (4.0, 3.0, 5.0)
+    signs = replace(found, bounds=1.0, pairs={"c": PairResidual(3.0, 1.0, 2.0)})
+    assert (signs.max_violation, signs.worst_constraint) == (1.0, "bounds")
+    assert signs.max_complementarity == 3.0
+    nothing = Residuals(0.0, {}, {})
+    assert (nothing.max_violation, nothing.max_complementarity, nothing.max_negativity) == (0.0, 0.0, 0.0)
+    assert nothing.max_product == 0.0
 
 
 def test_only_relaxed_complementarity_is_not_complementarity() -> None:

@@ -36,7 +36,9 @@ def window_bounds(scenario: Scenario, model: Model, limits: Limits, first: Array
     target, moving = sample(stop.target, time)
     blur = 2 * STEP * np.max(np.abs(moving), axis=0)
     ends = ((first, start, first, 0.0), (last, end, 1 - last, limits.end_position))
-    for cells in np.array_split(time[time > low - STEP], max(1, len(time) // CELLS)):
+    late_enough = time[time > low - STEP]
+    for begin in range(0, len(late_enough), CELLS):
+        cells = late_enough[begin : begin + CELLS]
         left = np.flatnonzero(np.isinf(bounds))
         fits = np.ones((len(left), len(cells)), bool)
         for share, place, leg, slack in ends:
