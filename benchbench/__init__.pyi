@@ -6,6 +6,7 @@ from .errors import BadInput, BenchBenchError, IncompatibleCase, NoPlan, Unavail
 from .mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, evaluate, rows
 from .mpcc.ready import ReadyMade, whole
 from .nlp.ledger import Ledger
+from .nlp.method import Method
 from .nlp.relaxation import Relaxation, Relaxed, Schedule, Shared, Unknown
 from .nlp.solver import (
     TOLERANCE,
@@ -25,19 +26,19 @@ from .ocp.motion import Motion
 from .ocp.node import Node
 from .ocp.plan import Plan
 from .ocp.scenario import Scenario
-from .planning.case import Case, Guess, ReadyCase, Strategy, Task
+from .planning.case import Case, Guess, MpccStrategy, ReadyCase, Strategy
 from .planning.peer import Peer
-from .planning.result import Result
+from .planning.result import Result, Solution
 from .transcription.dynamics import Dynamics
 from .transcription.grid import Grid, Phase, Trajectory
 
 __version__: str
 
 __all__ = [
-    "TOLERANCE", "Accuracy", "Array", "BadInput", "BenchBenchError", "Block", "Case", "Certificate", "Check", "Claim",
-    "Condition", "Contact", "Coordinates", "Dynamics", "Grid", "Guess", "IncompatibleCase", "Ledger", "Model", "Motion",
-    "Mpcc", "NoPlan", "Node", "Outcome", "Pair", "PairKind", "Parametric", "Peer", "Phase", "Plan", "Plant", "Point",
-    "Prepared", "Progress", "ReadyCase", "ReadyMade", "Relaxation", "Relaxed", "Result", "Scenario", "Schedule", "Setup",
-    "Shared", "Slot", "Solver", "Strategy", "Target", "Task", "Trajectory", "Unavailable", "Unknown", "Variable",
-    "evaluate", "rows", "whole",
+    "TOLERANCE", "Accuracy", "Array", "BadInput", "BenchBenchError", "Block", "Case", "Certificate", "Check",
+    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "Grid", "Guess", "IncompatibleCase", "Ledger",
+    "Method", "Model", "Motion", "Mpcc", "MpccStrategy", "NoPlan", "Node", "Outcome", "Pair", "PairKind",
+    "Parametric", "Peer", "Phase", "Plan", "Plant", "Point", "Prepared", "Progress", "ReadyCase", "ReadyMade",
+    "Relaxation", "Relaxed", "Result", "Scenario", "Schedule", "Setup", "Shared", "Slot", "Solution", "Solver",
+    "Strategy", "Target", "Trajectory", "Unavailable", "Unknown", "Variable", "evaluate", "rows", "whole",
 ]  # fmt: skip

@@ -148,7 +148,7 @@ def test_a_path_that_breaks_off_gives_its_last_good_point_and_claims_nothing(
 
 def test_a_penalty_is_not_part_of_the_objective(told: dict[str, Any], tmp_path: Path) -> None:
     done = solved(stored(told, tmp_path / "small.json"), "relaxation=l1_penalty", "strategy=relax")
-    x = done.result.solved.x  # type: ignore[union-attr]
+    x = done.result.solved.x
     assert done.record["objective"] == pytest.approx((x[0] - 3) ** 2 + (x[1] - 1) ** 2 + x[2], rel=1e-12)
 
 
@@ -206,7 +206,7 @@ def test_bounds_may_be_infinite_and_functions_give_rows(told: dict[str, Any], tm
     told |= {"g_fun": given(W.T), "lbg": [0, 0, 0.5], "ubg": [np.inf] * 3}
     done = solved(stored(told, tmp_path / "small.json"))
     assert done.certificate.certified
-    np.testing.assert_allclose(done.result.solved.x, [3, 0, 0.5], atol=1e-4)  # type: ignore[union-attr]
+    np.testing.assert_allclose(done.result.solved.x, [3, 0, 0.5], atol=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -303,7 +303,7 @@ def test_nosbench_is_solved_as_its_judge_says(name: str, nosbench: Path) -> None
     path = nosbench / f"{name}.json.gz"
     done = solved(path, "time_limit=60")
     assert done.certificate.certified
-    assert judged(path, done.result.solved.x, best[name])  # type: ignore[union-attr]
+    assert judged(path, done.result.solved.x, best[name])
 
 
 def test_the_judge_of_nosbench_reads_the_file_alone(told: dict[str, Any], tmp_path: Path) -> None:
@@ -348,7 +348,7 @@ def test_continuation_returns_its_last_good_point(told: dict[str, Any], tmp_path
     w, p = ca.SX.sym("w", 3), ca.SX.sym("p")
     told |= {"g_fun": ca.Function("g_fun", [w, p], [w[0] * w[1]]).serialize(), "lbg": 0.02, "ubg": 9}
     done = solved(stored(told, tmp_path / "small.json"), "relaxation=scholtes", f"strategy.retries={retries}")
-    a, b, _ = done.result.solved.x  # type: ignore[union-attr]
+    a, b, _ = done.result.solved.x
     assert 0.02 - 1e-7 <= a * b <= 0.1 + 1e-7
     assert not done.record["claimed_success"] and not done.record["certified"]
 

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, final
 
+from benchbench.certificate.bound import lower_bound
+from benchbench.certificate.certificate import Certificate
+from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.errors import IncompatibleCase
 from benchbench.formulation.formulation import Formulation
@@ -14,7 +19,8 @@ from benchbench.nlp.homotopy import Solved
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.method import Method
 from benchbench.ocp.plan import Plan
-from benchbench.planning.result import Outside, Result
+from benchbench.ocp.race import Race
+from benchbench.planning.result import Result, Solution
 
 
 class Guess(ABC):
@@ -32,26 +38,41 @@ class Strategy(ABC):
     """Turns a case into a plan."""
 
     @abstractmethod
-    def solve(self, case: Case, ledger: Ledger) -> Result | Outside:
+    def solve(self, case: Case, ledger: Ledger) -> Result:
         """Return the best plan found; the last word on it is not the strategy's."""
 
-    def answer(self, mpcc: Mpcc, case: Task, ledger: Ledger) -> Solved:
-        """Return the best solution of an MPCC that is no flight; only strategies override it that need no more."""
-        able = "continuation, relax, or another one that needs nothing but an MPCC"
-        problem = f"'{case.names['strategy']}' plans flights, but '{case.names['scenario']}' is none"
-        raise IncompatibleCase("strategy", problem, able)
+
+class MpccStrategy(Strategy):
+    """A strategy that needs no more than an MPCC, so that it solves those that come ready-made too."""
+
+    @abstractmethod
+    def solve_mpcc(self, mpcc: Mpcc, case: Method, ledger: Ledger) -> Solved:
+        """Return the best solution found of an MPCC, from the guess it comes with."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Task(Method):
-    """How an MPCC is solved and judged."""
+class AnyCase(Method, ABC):
+    """What the pipeline asks of a case, be it a flight or an MPCC that comes ready-made."""
 
     strategy: Strategy
     limits: ProblemLimits
 
+    @abstractmethod
+    def plan(self, ledger: Ledger) -> Result:
+        """Plan; raises BadInput where the strategy cannot."""
 
+    @abstractmethod
+    def judge(self, result: Result) -> Certificate:
+        """Certify what planning gave."""
+
+    @abstractmethod
+    def told(self, result: Result) -> Mapping[str, Any]:
+        """Return the columns of the record that only this kind of case has."""
+
+
+@final
 @dataclass(frozen=True, kw_only=True)
-class Case(Task, Formulation):
+class Case(AnyCase, Formulation):
     """Everything that decides the run of a flight: one choice from every family.
 
     `task_hash` tells what its travel time may be compared with, see `benchbench.planning.task_hash`.
@@ -61,9 +82,49 @@ class Case(Task, Formulation):
     limits: Limits
     task_hash: str | None = None
 
+    def plan(self, ledger: Ledger) -> Result:
+        """Pose and solve as the strategy does."""
+        return self.strategy.solve(self, ledger)
 
+    def judge(self, result: Result) -> Certificate:
+        """Certify the plan, and the solution where one of our problems was posed."""
+        found = result.posed and result.posed.residuals
+        return certify(result.plan, self.scenario, self.model, self.limits, found)
+
+    def told(self, result: Result) -> Mapping[str, Any]:
+        """Grid, times, and the task where the plan is ours on the scenario's own grid, so comparable with others."""
+        plan, scenario = result.plan, self.scenario
+        comparable = result.posed is not None and plan.intervals == scenario.intervals
+        return {
+            "intervals": plan.intervals,
+            "kappa_init": None if isinstance(scenario, Race) else scenario.kappa_init,
+            "travel_time_s": plan.travel_time,
+            "lower_bound_s": lower_bound(scenario, self.model, self.model.plant()),
+            "task_hash": self.task_hash if comparable else None,
+        }
+
+
+@final
 @dataclass(frozen=True, kw_only=True)
-class ReadyCase(Task):
-    """Everything that decides the run of an MPCC that comes ready-made."""
+class ReadyCase(AnyCase):
+    """Everything that decides the run of an MPCC that comes ready-made; there is no plan in its solution."""
 
     scenario: ReadyMade
+
+    def plan(self, ledger: Ledger) -> Result:
+        """Solve the MPCC; raises IncompatibleCase for a strategy that needs a flight."""
+        with ledger.building():
+            mpcc = self.scenario.mpcc()
+        if not isinstance(self.strategy, MpccStrategy):
+            able = "continuation, relax, or another one that needs nothing but an MPCC"
+            problem = f"'{self.names['strategy']}' plans flights, but '{self.names['scenario']}' is none"
+            raise IncompatibleCase("strategy", problem, able)
+        return Result(posed=Solution(mpcc, self.strategy.solve_mpcc(mpcc, self, ledger)))
+
+    def judge(self, result: Result) -> Certificate:
+        """Certify the solution by its residuals, which are all there is to ask."""
+        return certify_problem(result.solution.residuals, self.limits)
+
+    def told(self, result: Result) -> Mapping[str, Any]:
+        """Nothing more: what else a record says is of flights."""
+        return {}

@@ -140,4 +140,4 @@ def _starting(variable: Variable, values: Array) -> Variable:
 
 def _result(problem: Problem, outcome: Outcome) -> Result:
     values = problem.mpcc.split(outcome.point.x)
-    return Result(problem, Solved(outcome, values, outcome.point.x, 0.0), problem.decode(values))
+    return Result.of(problem, Solved(outcome, values, outcome.point.x, 0.0))

@@ -6,23 +6,21 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from benchbench.certificate.certificate import Certificate
-from benchbench.certificate.certify import certify
 from benchbench.errors import IncompatibleCase
 from benchbench.formulation.handover import Problem
-from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.disturb import disturbed
-from benchbench.planning.result import Outside, Result
+from benchbench.planning.result import Result
 
 
 def planned(strategy: Strategy, case: Case, ledger: Ledger) -> Result:
     """Solve by another strategy; raises IncompatibleCase for one that poses no problem of ours."""
     result = strategy.solve(case, ledger)
-    if isinstance(result, Outside):
+    if result.posed is None:
         raise IncompatibleCase(
             "strategy", f"the plan of {result.planner} poses no problem", "a strategy that solves"
         )
@@ -32,7 +30,7 @@ def planned(strategy: Strategy, case: Case, ledger: Ledger) -> Result:
 def pose(problem: Problem, case: Case, ledger: Ledger, stage: str, near: Result | None = None) -> Result:
     """Solve one problem and decode it; `near`: what was found for a problem that nearly has this one's solution."""
     solved = homotopy(problem.mpcc, case, ledger, stage, near.solved if near else None)
-    return Result(problem, solved, problem.decode(solved.values))
+    return Result.of(problem, solved)
 
 
 def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
@@ -52,8 +50,7 @@ def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
 def judge(result: Result, case: Case, ledger: Ledger) -> Certificate:
     """Return the certificate of a result: the same for strategies that look at it as for the record."""
     with ledger.judging():
-        found = residuals(result.problem.mpcc, result.solved.x)
-        return certify(result.plan, case.scenario, case.model, case.limits, found)
+        return case.judge(result)
 
 
 def retried(

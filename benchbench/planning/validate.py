@@ -19,10 +19,10 @@ from benchbench.ocp.motion import sample
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.stop import Stop
-from benchbench.planning.case import Case, Task
+from benchbench.planning.case import AnyCase, Case
 
 
-def validate(case: Task) -> None:
+def validate(case: AnyCase) -> None:
     """Raise BadInput for the first thing that cannot be."""
     if isinstance(case, Case):
         _flight(case)
@@ -64,7 +64,7 @@ def numbers(case: Case) -> None:
             raise BadInput("scenario.contact_seconds", problem, allowed)
 
 
-def _schedule(case: Task) -> None:
+def _schedule(case: AnyCase) -> None:
     schedule = np.asarray(case.relaxation.schedule)
     if not schedule.size or not np.all(np.isfinite(schedule)) or np.any(schedule < 0):
         problem = f"{list(case.relaxation.schedule)} was given"
@@ -182,7 +182,7 @@ def _course(race: Race, case: Case) -> None:
         raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
 
 
-def _solver(case: Task) -> None:
+def _solver(case: AnyCase) -> None:
     """Let the solver prepare a problem with one unknown: settings that it refuses show here."""
     said = io.StringIO()
     setup = Setup(case.time_limit, case.iteration_limit, case.accuracy, "never")

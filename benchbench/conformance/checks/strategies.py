@@ -8,7 +8,6 @@ from dataclasses import replace
 import numpy as np
 
 from benchbench.conformance.checks.require import close, require
-from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import first_plan
@@ -26,7 +25,7 @@ def check_result(strategy: Strategy, case: Case) -> None:
     What a strategy tells of itself has a column in the record.
     """
     result, ledger = _solve(strategy, case)
-    plan, found = result.plan, residuals(result.problem.mpcc, result.solved.x)
+    plan, found = result.plan, result.solution.residuals
     require(result.claimed, f"did not solve a small case: {result.solved.outcome.detail}")
     require(
         found.max_violation <= 1e-6, f"'{found.worst_constraint}' is violated by {found.max_violation:.3g}"

@@ -12,14 +12,15 @@ from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.homotopy import Path, Solved, homotopy
 from benchbench.nlp.ledger import Ledger
+from benchbench.nlp.method import Method
 from benchbench.nlp.relaxation import Relaxation
-from benchbench.planning.case import Case, Strategy, Task
+from benchbench.planning.case import Case, MpccStrategy
 from benchbench.planning.result import Result
 
 
 @final
 @dataclass(frozen=True)
-class Continuation(Strategy):
+class Continuation(MpccStrategy):
     """Any relaxation with its sigma driven from `first` to `last` by `factor`, all three as products G H.
 
     Penalties have no such product: there all three are sigma itself, one over the penalty parameter.
@@ -46,7 +47,7 @@ class Continuation(Strategy):
         problem = "'continuation' is for problems that come ready-made, but this is a flight"
         raise IncompatibleCase("strategy", problem, "relax, phases")
 
-    def answer(self, mpcc: Mpcc, case: Task, ledger: Ledger) -> Solved:
+    def solve_mpcc(self, mpcc: Mpcc, case: Method, ledger: Ledger) -> Solved:
         """Relax, from the guess the problem comes with."""
         return homotopy(
             mpcc,

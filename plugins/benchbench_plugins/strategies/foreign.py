@@ -11,7 +11,7 @@ from benchbench.certificate.audit import claimed
 from benchbench.errors import BadInput
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import Case, Strategy
-from benchbench.planning.result import Outside
+from benchbench.planning.result import Result
 from benchbench.storage.flight import plan_of
 from benchbench.storage.flight_csv import read_csv
 
@@ -32,9 +32,10 @@ class Foreign(Strategy):
     planner: str = "foreign"
     interpolation: Literal["hold", "linear"] = "hold"
 
-    def solve(self, case: Case, ledger: Ledger) -> Outside:
+    def solve(self, case: Case, ledger: Ledger) -> Result:
         """Read; a plan that claims no contact is taken to claim the longest that it has. Raises BadInput."""
         if self.file is None:
             raise BadInput("strategy.file", "none was given", "the path of a CSV file with a plan")
         plan = plan_of(read_csv(self.file), case.model, self.interpolation)
-        return Outside(claimed(plan, case.scenario.itinerary, case.model.plant(), case.limits), self.planner)
+        found = claimed(plan, case.scenario.itinerary, case.model.plant(), case.limits)
+        return Result(planned=found, planner=self.planner)

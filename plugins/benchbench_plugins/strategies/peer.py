@@ -13,7 +13,7 @@ from benchbench.mpcc.spending import cpu_s
 from benchbench.nlp.ledger import Ledger, Spent
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.peer import Peer, ask
-from benchbench.planning.result import Outside
+from benchbench.planning.result import Result
 
 
 @final
@@ -30,13 +30,12 @@ class External(Strategy):
     planner: InstanceOf[Peer] | None = None
     wall_limit: Annotated[float, Field(gt=0, allow_inf_nan=False)] | None = None
 
-    def solve(self, case: Case, ledger: Ledger) -> Outside:
+    def solve(self, case: Case, ledger: Ledger) -> Result:
         """Ask it; its CPU time, start included, counts as that of a solver."""
         if self.planner is None:
             raise BadInput("peer", "none was chosen", "peer=NAME with a NAME that `benchbench plugins` lists")
         before = cpu_s()
         plan = ask(self.planner, case, min(self.wall_limit or ledger.seconds_left, ledger.seconds_left))
         ledger.solves.append(Spent("peer", cpu_s() - before, None))
-        return Outside(
-            claimed(plan, case.scenario.itinerary, case.model.plant(), case.limits), self.planner.name
-        )
+        found = claimed(plan, case.scenario.itinerary, case.model.plant(), case.limits)
+        return Result(planned=found, planner=self.planner.name)

@@ -9,8 +9,9 @@ from pydantic.dataclasses import dataclass
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.homotopy import Solved, homotopy
 from benchbench.nlp.ledger import Ledger
+from benchbench.nlp.method import Method
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Strategy, Task
+from benchbench.planning.case import Case, MpccStrategy
 from benchbench.planning.guess import first_plan
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import pose
@@ -18,7 +19,7 @@ from benchbench.planning.strategy import pose
 
 @final
 @dataclass(frozen=True)
-class Relax(Strategy):
+class Relax(MpccStrategy):
     """Homotopy on the DMCC problem (paper Eq. 33), when the contact happens is left to the optimiser.
 
     Races: at which nodes the gates are passed (complementary progress constraints).
@@ -31,6 +32,6 @@ class Relax(Strategy):
             problem = posing.free(case, start)
         return pose(problem, case, ledger, "relaxation")
 
-    def answer(self, mpcc: Mpcc, case: Task, ledger: Ledger) -> Solved:
+    def solve_mpcc(self, mpcc: Mpcc, case: Method, ledger: Ledger) -> Solved:
         """Relax, from the guess it comes with."""
         return homotopy(mpcc, case, ledger, "relaxation")
