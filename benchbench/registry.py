@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 
@@ -36,6 +37,11 @@ def installed(family: str) -> list[Plugin]:
         raise ValueError(f"there is no family {family!r}; families: {', '.join(FAMILIES)}")
     found = {(entry.name, entry.value): entry for entry in entry_points(group=f"benchbench.{family}")}
     return [_load(family, found[key]) for key in sorted(found)]
+
+
+def targets(families: Iterable[str] = FAMILIES) -> set[str]:
+    """Return what is registered in some families as "module:Class", without loading any of it."""
+    return {entry.value for family in families for entry in entry_points(group=f"benchbench.{family}")}
 
 
 def _load(family: str, entry: EntryPoint) -> Plugin:

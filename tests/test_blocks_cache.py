@@ -15,7 +15,8 @@ import pytest
 from curved import check, curved
 
 from benchbench.formulation.handover import free_contact, phases
-from benchbench.mpcc.derivatives import cache_root, derivatives
+from benchbench.mpcc.cache import cache_root
+from benchbench.mpcc.derivatives import derivatives
 from benchbench.nlp.program import assemble
 from benchbench.nlp.relaxation import relax
 from benchbench.planning.guess import straight_line

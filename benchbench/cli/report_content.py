@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pandas as pd
-from omegaconf import OmegaConf
+import yaml  # type: ignore[import-untyped]
 
 from benchbench.analysis.costs import solve_time
 from benchbench.analysis.naming import flatten, name_runs
@@ -90,7 +90,7 @@ def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, A
     recording = read_mcap(Path(folder or "", PLAN))
     if tree is None:
         raise ValueError("its configuration is missing")
-    scenario, model = config.scene_parts(OmegaConf.create(tree))
+    scenario, model = config.scene_parts(tree)
     plan, flight = recording.plan, recording.flight
     if isinstance(scenario, Race):
         panels = race_panels(plan, scenario, model, flight)
@@ -109,7 +109,7 @@ def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, A
         facts=_facts(record),
         view=view(scene(plan, scenario, model, flight)),
         limits=limits(panels, windows, plan.travel_time),
-        config=OmegaConf.to_yaml(OmegaConf.create(tree)),
+        config=yaml.safe_dump(tree, sort_keys=False),
     )
 
 

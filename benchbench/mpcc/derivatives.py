@@ -6,7 +6,6 @@ run that uses the same physics. The cache key is the serialised function itself.
 
 from __future__ import annotations
 
-import atexit
 import hashlib
 import logging
 import os
@@ -24,9 +23,9 @@ from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
-from platformdirs import user_cache_path
 
 from benchbench.arrays import Index
+from benchbench.mpcc.cache import cache_root, private
 
 log = logging.getLogger(__name__)
 Compile = Literal["auto", "never"]
@@ -117,31 +116,6 @@ def library(function: ca.Function) -> Path | None:
     """Return the shared library with the compiled derivatives of a block function, or None."""
     path = _folder(function, cache_root()) / LIBRARY
     return path if _intact(path) else None
-
-
-def cache_root() -> Path:
-    """Folder of the cache: $BENCHBENCH_CACHE, else the user's cache folder, else one for this process only."""
-    wanted = os.environ.get("BENCHBENCH_CACHE")
-    root = Path(wanted) if wanted else user_cache_path("benchbench") / "blocks"
-    try:
-        root.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=root):
-            pass
-    except OSError as error:
-        return _temporary_root(root, error.strerror or str(error))
-    return root
-
-
-@cache
-def _temporary_root(refused: Path, reason: str) -> Path:
-    """A private folder: a fixed name in a shared folder would let others plant libraries that we load."""
-    log.warning(
-        "cache folder %s is not writable (%s): every run compiles again; set BENCHBENCH_CACHE to a folder that is",
-        refused, reason,
-    )  # fmt: skip
-    root = Path(tempfile.mkdtemp(prefix="benchbench-"))
-    atexit.register(shutil.rmtree, root, ignore_errors=True)
-    return root
 
 
 @contextmanager
@@ -263,14 +237,15 @@ def _publish(file: Path, folder: Path) -> None:
     seal = file.with_name(f"{file.name}.sha256")
     seal.write_text(hashlib.sha256(file.read_bytes()).hexdigest())
     for part in (file, seal):
+        part.chmod(0o600)
         os.replace(part, folder / part.name)
 
 
 def _intact(file: Path) -> bool:
-    """Tell whether the file is what was published; a truncated library would kill the process (SIGBUS)."""
+    """Tell whether the file is what we published; a truncated library would kill the process (SIGBUS)."""
     try:
         seal = file.with_name(f"{file.name}.sha256").read_bytes()
-        return seal == hashlib.sha256(file.read_bytes()).hexdigest().encode()
+        return private(file) and seal == hashlib.sha256(file.read_bytes()).hexdigest().encode()
     except OSError:
         return False
 

@@ -31,7 +31,7 @@ from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case, Guess, ReadyCase, Strategy
 from benchbench.planning.task_hash import task_hash
-from benchbench.run import settings
+from benchbench.run import settings, trust
 from benchbench.run.hydra_errors import EXPECTED, PARTS, explained
 from benchbench.run.overrides import implied
 from benchbench.transcription.dynamics import Dynamics
@@ -41,6 +41,8 @@ KINDS: dict[str, type | tuple[type, ...]] = {
     "strategy": Strategy, "guess": Guess, "certificate": ProblemLimits,
 }  # fmt: skip
 FAMILIES = tuple(family for family in KINDS if family != "scenario")
+SCENE = ("models", "motions", "contacts", "collections", "scenarios")
+"""Families of plugins that scenario and vehicle are made of."""
 FLIGHT = ("vehicle", "dynamics", "guess")
 """Families that play no part in a scenario that comes ready-made as an MPCC."""
 NUMBERS = {"seed": (int, 0), "time_limit": (float, 1e-3), "iteration_limit": (int, 1)}
@@ -94,8 +96,11 @@ def compose(*overrides: str) -> Case:
     return case
 
 
-def compose_any(*overrides: str) -> Case | ReadyCase:
-    """Return the same of any scenario, a flight or an MPCC that comes ready-made. Raises BadInput."""
+def compose_any(*overrides: str, stored: bool = False) -> Case | ReadyCase:
+    """Return the same of any scenario, a flight or an MPCC that comes ready-made. Raises BadInput.
+
+    stored: the overrides stood in a folder of results, so they are data: only installed plugins are made.
+    """
     with hydra.initialize_config_dir(folder(), version_base="1.3"):
         try:
             cfg = hydra.compose("config", meant(overrides), return_hydra_config=True)
@@ -104,6 +109,8 @@ def compose_any(*overrides: str) -> Case | ReadyCase:
                 del cfg["hydra"]
         except (*EXPECTED, ValueError) as error:
             raise explained(error) from error
+        if stored:
+            trust.check(OmegaConf.to_container(cfg, resolve=True), "configuration")
         return build(cfg, chosen)
 
 
@@ -137,15 +144,21 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
     return replace(_flight(parts, names, how), task_hash=task_hash(cfg))
 
 
-def scene_parts(cfg: DictConfig) -> tuple[Scenario, Model]:
-    """Make the scenario and the vehicle of a flight only: what it takes to show a plan.
+def scene_parts(tree: Mapping[str, Any]) -> tuple[Scenario, Model]:
+    """Make the scenario and the vehicle of a stored configuration: what it takes to show a plan.
 
-    The other choices may be those of an earlier version, or of a plugin that is not here. Raises BadInput.
+    Only installed plugins are made, see `benchbench.run.trust`. The other choices may be those of an earlier version, or of
+    a plugin that is not here. Raises BadInput.
     """
-    scenario, model = (_make(cfg, family) for family in ("scenario", "vehicle"))
+    scenario, model = (_make_stored(tree, family) for family in ("scenario", "vehicle"))
     if isinstance(scenario, ReadyMade):
         raise BadInput("scenario", f"'{scenario.name}' is no flight", "a flight")
     return _scenario(scenario), model
+
+
+def _make_stored(tree: Mapping[str, Any], family: str) -> Any:
+    trust.check(tree.get(family), family, SCENE)
+    return _make(OmegaConf.create({family: tree.get(family)}), family)
 
 
 def _nested(strategy: str, chosen: Mapping[str, Any]) -> str:

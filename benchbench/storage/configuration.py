@@ -1,25 +1,57 @@
-"""The configuration of a run, read back from its folder."""
+"""The configuration of a run, read back from its folder as data: nothing in it is resolved, loaded or called."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
-from omegaconf import OmegaConf
-from omegaconf.errors import OmegaConfBaseException
-from yaml import YAMLError  # type: ignore[import-untyped]
+import yaml  # type: ignore[import-untyped]
 
 PLACES = ("config.yaml", ".hydra/config.yaml")
 """Where it lies: with a plan, and where Hydra puts it before the run begins."""
+LARGEST = 1_000_000
+"""Bytes of a file that is still read."""
+MOST = 100_000
+"""Values in it; a few aliases in a short file can stand for billions."""
+DEEPEST = 50
+"""Levels of nesting."""
 
 
 def configuration(folder: Path | None) -> dict[str, Any] | None:
-    """Return the composed configuration of the run in `folder` as plain values, None where there is none."""
+    """Return the composed configuration of the run in `folder` as plain values, None where there is none to be used.
+
+    Text with an interpolation (`${...}`) stays the text that it is: it could name an environment variable.
+    """
     for place in PLACES if folder is not None else ():
         try:
-            values = OmegaConf.to_container(OmegaConf.load(Path(folder or "", place)), resolve=True)
-        except (OSError, ValueError, YAMLError, OmegaConfBaseException):
+            values = read(Path(folder or "", place))
+        except (OSError, ValueError):
             continue
         if isinstance(values, dict):
             return {str(key): value for key, value in values.items()}
     return None
+
+
+def read(path: Path) -> Any:
+    """Return a YAML file as plain values; raises OSError, or ValueError for what is no YAML, too large or refers to itself."""
+    with path.open("rb") as file:
+        text = file.read(LARGEST + 1)
+    if len(text) > LARGEST:
+        raise ValueError(f"'{path}' is larger than {LARGEST} bytes")
+    try:
+        values = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except (yaml.YAMLError, UnicodeError, RecursionError) as error:
+        raise ValueError(f"'{path}' is no YAML: {str(error).splitlines()[0]}") from None
+    return _plain(values, [MOST], 0)
+
+
+def _plain(value: Any, left: list[int], depth: int) -> Any:
+    """A copy without shared parts; raises ValueError for too much of it."""
+    left[0] -= 1
+    if left[0] < 0 or depth > DEEPEST:
+        raise ValueError("a configuration with too many values, too deep, or one that refers to itself")
+    if isinstance(value, dict):
+        return {key: _plain(inner, left, depth + 1) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_plain(inner, left, depth + 1) for inner in value]
+    return value

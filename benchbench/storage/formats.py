@@ -11,6 +11,7 @@ from typing import Any
 
 import pandas as pd
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.csv
 import pyarrow.parquet as pq
 
@@ -34,10 +35,21 @@ def parquet(table: pa.Table) -> bytes:
     return sink.getvalue().to_pybytes()
 
 
+FORMULA = r"^([=+\-@\t\r])"
+"""How a cell begins that a spreadsheet runs as a formula."""
+
+
 def csv(table: pa.Table) -> bytes:
-    """Comma-separated values at full precision, with a header; UTF-8."""
-    sink = pa.BufferOutputStream()
-    pyarrow.csv.write_csv(_flat(table), sink)
+    """Comma-separated values at full precision, with a header; UTF-8.
+
+    Text that a spreadsheet would run as a formula gets an apostrophe in front.
+    """
+    flat, sink = _flat(table), pa.BufferOutputStream()
+    for place, field in enumerate(flat.schema):
+        if pa.types.is_string(field.type):
+            harmless = pc.replace_substring_regex(flat.column(place), FORMULA, r"'\1")
+            flat = flat.set_column(place, field.name, harmless)
+    pyarrow.csv.write_csv(flat, sink)
     return sink.getvalue().to_pybytes()
 
 

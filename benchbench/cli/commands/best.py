@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput
@@ -76,18 +76,29 @@ def _runs(folders: Sequence[Path]) -> Iterator[tuple[Record, Path]]:
 
 def _command(record: Record, folder: Path) -> str:
     """Overrides that give the record's task again; raises BadInput where they do not."""
-    from omegaconf import OmegaConf
-
     from benchbench.planning.case import Case
     from benchbench.run import config
     from benchbench.run.settings import NOT_DECISIVE
+    from benchbench.storage.configuration import read
 
     file = folder / ".hydra" / "overrides.yaml"
     if not file.is_file():
         raise BadInput(str(folder), "has no .hydra/overrides.yaml, so nobody knows how it was made")
-    said: Any = OmegaConf.to_container(OmegaConf.load(file))
-    told = [text for text in said if text.split("=")[0].lstrip("+~") not in NOT_DECISIVE]
-    case = config.compose_any(*told)
+    try:
+        said = read(file)
+    except ValueError as error:
+        raise BadInput(str(file), str(error)) from None
+    told = [
+        text
+        for text in map(str, said if isinstance(said, list) else ())
+        if text.split("=")[0].lstrip("+~") not in NOT_DECISIVE
+    ]
+    for text in told:
+        if "${" in text or text.lstrip("+~").startswith("hydra"):
+            raise BadInput(
+                str(folder), f"its override '{text}' is no plain value, so it is not composed again"
+            )
+    case = config.compose_any(*told, stored=True)
     if not isinstance(case, Case) or case.task_hash != record["task_hash"]:
         raise BadInput(str(folder), f"'{shlex.join(told)}' is another task than the one of this run")
     return shlex.join(told)

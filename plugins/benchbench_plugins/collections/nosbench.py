@@ -17,6 +17,7 @@ from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.ready import ReadyMade, whole
+from benchbench_plugins.collections.serialized import foreign
 
 FUNCTIONS = {"f": "augmented_objective_fun", "g": "g_fun", "G": "G_fun", "H": "H_fun"}
 NUMBERS = ("w0", "lbw", "ubw", "lbg", "ubg", "p0")
@@ -29,9 +30,11 @@ class MpccFile(ReadyMade):
 
     path: a .json or .json.gz with serialised CasADi functions of (w, p) and lists of numbers, where a scalar may
     stand for a list of one; its name without suffixes is the name of the problem.
+    trust: read functions, too, that load a library or start a compiler when they are read: they can do anything.
     """
 
     path: Path
+    trust: bool = False
 
     @property
     def name(self) -> str:
@@ -45,10 +48,16 @@ class MpccFile(ReadyMade):
             raise self._wrong(f"has no '{missing[0]}'")
         try:
             w0, lbw, ubw, lbg, ubg, p0 = (_numbers(key, told[key]) for key in NUMBERS)
-            functions = {name: ca.Function.deserialize(told[key]) for name, key in FUNCTIONS.items()}
+            functions = {name: self._function(told[key], key) for name, key in FUNCTIONS.items()}
             return whole(functions, p0, w0, (lbw, ubw), (lbg, ubg))
         except (ValueError, TypeError, RuntimeError) as error:  # CasADi's are RuntimeErrors
             raise self._wrong(f"is no MPCC: {str(error).strip().splitlines()[-1]}") from None
+
+    def _function(self, text: Any, key: str) -> ca.Function:
+        if not self.trust and (problem := foreign(str(text))):
+            allowed = "expressions only (SX or MX); scenario.trust=true where you know who made the file"
+            raise BadInput("scenario.path", f"'{self.path}': '{key}' {problem}", allowed)
+        return ca.Function.deserialize(text)
 
     def _read(self) -> Mapping[str, Any]:
         try:

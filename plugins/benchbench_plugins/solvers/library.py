@@ -18,7 +18,8 @@ from pathlib import Path
 
 import casadi as ca
 
-from benchbench.mpcc.derivatives import FLAGS, cache_root, library
+from benchbench.mpcc.cache import cache_root, private
+from benchbench.mpcc.derivatives import FLAGS, library
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.program import Program
 
@@ -105,7 +106,7 @@ def _compile(source: Path, libraries: list[Path]) -> Path | None:
     links = [str(path) for path in libraries]
     key = hashlib.sha256("|".join([source.read_text(), *links, *FLAGS]).encode()).hexdigest()[:32]
     target = cache_root() / f"{key}.so"
-    if target.is_file():
+    if target.is_file() and private(target):
         return target
     made = source.with_suffix(".so")
     job = subprocess.run(
@@ -117,5 +118,6 @@ def _compile(source: Path, libraries: list[Path]) -> Path | None:
     if job.returncode:
         log.warning("gcc failed on the assembled program: %s", job.stderr.strip()[-200:])
         return None
+    made.chmod(0o700)
     os.replace(made, target)
     return target
