@@ -62,10 +62,11 @@ def run(
     return Run(case, result, certificate, record)
 
 
-def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
+def write(done: Run, folder: Path, table: Path, config: str, picture: bool = True) -> dict[str, Path]:
     """Write record, recording and picture into `folder` and the row into `table`; returns the paths.
 
-    `config` is the composed configuration as YAML. Raises BadInput("output", ...) when the disk refuses.
+    config: the composed configuration as YAML; picture: whether to draw. Raises BadInput("output", ...) when the
+    disk refuses.
     """
     from benchbench.storage.files import write_bytes, write_record, write_solution
     from benchbench.storage.table import append
@@ -75,24 +76,30 @@ def write(done: Run, folder: Path, table: Path, config: str) -> dict[str, Path]:
     paths["record"] = write_record(folder, done.record)
     paths["table"] = append(done.record, table).parent
     if isinstance(done.case, Case):
-        return paths | _write_flight(done, done.case, folder, config)
+        paths["plan"] = _write_flight(done, done.case, folder, config)
+        return paths | {"picture": _draw(done, done.case, folder)} if picture else paths
     return paths | {"solution": write_solution(folder, done.result.mpcc.split(done.result.solved.x))}
 
 
-def _write_flight(done: Run, case: Case, folder: Path, config: str) -> dict[str, Path]:
-    from benchbench.report.picture import draw
+def _write_flight(done: Run, case: Case, folder: Path, config: str) -> Path:
     from benchbench.storage.files import PLAN
     from benchbench.storage.recording import write_mcap
 
-    paths = {"plan": folder / PLAN, "picture": folder / "plan.png"}
-    plan, flight = done.result.plan, done.certificate.flight
-    write_mcap(paths["plan"], plan, flight, case.scenario, case.model, {"config": config})
+    path, flight = folder / PLAN, done.certificate.flight
+    write_mcap(path, done.result.plan, flight, case.scenario, case.model, {"config": config})
+    return path
+
+
+def _draw(done: Run, case: Case, folder: Path) -> Path:
+    from benchbench.report.picture import draw
+
+    path, plan, flight = folder / "plan.png", done.result.plan, done.certificate.flight
     title = (
         f"{case.names['scenario']}, {case.names['dynamics']}, N = {plan.intervals}, {case.names['strategy']}"
     )
     verdict = "certified" if done.certificate.certified else f"NOT certified: {done.certificate.reasons[0]}"
-    draw(paths["picture"], plan, case.scenario, case.model, flight, title, verdict)
-    return paths
+    draw(path, plan, case.scenario, case.model, flight, title, verdict)
+    return path
 
 
 def _again(case: AnyCase, watch: Watch | None) -> Ledger:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from test_program import assert_refused, program, records
+from program import assert_refused, records, told
 
 from benchbench import pipeline
 from benchbench.cli.commands import best
@@ -168,7 +168,7 @@ def test_a_file_that_is_none_is_refused_by_name(tmp_path: Path, text: str) -> No
 
 def test_folders_without_a_run_are_refused(tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
-    assert_refused(program(tmp_path, "best", "empty"), "empty", "has no record of a run")
+    assert_refused(told(tmp_path, "best", "empty"), "empty", "has no record of a run")
     with pytest.raises(BadInput, match="there is no such folder"):
         best.run([str(tmp_path / "nowhere")])
     with pytest.raises(BadInput, match="DIR"):
@@ -222,18 +222,18 @@ def test_a_run_tells_its_gap_and_what_beats_it(tmp_path: Path) -> None:
         "command": "+scenario=static",
     }
     BestKnown({plan["task_hash"]: told}).save(file)
-    above = program(tmp_path, *task)
+    above = told(tmp_path, *task, "picture=false")
     assert (
         f"best known {told['travel_time_s']:.4f} s, +2.000 %" in above.stdout
         and "new best" not in above.stdout
     )
     BestKnown({plan["task_hash"]: told | {"travel_time_s": plan["travel_time_s"] * 1.01}}).save(file)
-    below = program(tmp_path, *task)
+    below = told(tmp_path, *task, "picture=false")
     assert "new best" in below.stdout
     gaps = [r["gap_percent"] for r in sorted(records(tmp_path), key=lambda r: r["started_at"])]
     assert gaps == pytest.approx([2.0, 100 * (1 / 1.01 - 1)], abs=1e-6)
     keep = next(line for line in below.stdout.splitlines() if line.startswith("keep it"))
-    done = program(tmp_path, *shlex.split(keep.removeprefix("keep it").strip())[1:])
+    done = told(tmp_path, *shlex.split(keep.removeprefix("keep it").strip())[1:])
     assert done.returncode == 0 and "1 changed" in done.stdout
     kept = BestKnown.load(file).entries[plan["task_hash"]]
     assert kept["travel_time_s"] == pytest.approx(plan["travel_time_s"], rel=1e-9)

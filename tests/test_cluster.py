@@ -16,8 +16,8 @@ import pandas as pd
 import pytest
 from hydra.core.global_hydra import GlobalHydra
 from omegaconf import OmegaConf, open_dict
+from program import program, records
 from test_launcher import BAD, RUNS, SWEEP, answers, path_with_bad_runs
-from test_program import program, records
 
 from benchbench.run import config
 from benchbench.run.execution import Ended

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from program import Done, assert_refused, told
 from simulator import GOOD, Flown, fly
-from test_program import Done, assert_refused, program
 
 from benchbench import pipeline
 from benchbench.certificate.certificate import Certificate
@@ -126,7 +126,7 @@ def test_a_gate_missed_by_five_centimetres_and_gates_in_the_other_order(tmp_path
 
 def certify(folder: Path, text: str, *arguments: str) -> Done:
     (folder / "my plan.csv").write_text(text)
-    return program(folder, "certify", "my plan.csv", "--scenario", "race", *task()[1:], *arguments)
+    return told(folder, "certify", "my plan.csv", "--scenario", "race", *task()[1:], *arguments)
 
 
 def test_the_command_certifies_records_and_draws(tmp_path: Path) -> None:
@@ -141,12 +141,12 @@ def test_the_command_certifies_records_and_draws(tmp_path: Path) -> None:
     )
     assert record["dynamics"] is record["relaxation"] is record["guess"] is None
     assert {"plan.mcap", "plan.png", "config.yaml"} <= {file.name for file in path.parent.iterdir()}
-    table = program(tmp_path, "table", "--columns", "solver,status,travel_time_s").stdout
+    table = told(tmp_path, "table", "--columns", "solver,status,travel_time_s").stdout
     assert "my planner 2.0" in table and "4.2" in table
 
 
 def test_the_command_rejects_and_refuses(tmp_path: Path) -> None:
-    done = certify(tmp_path, good().changed(1, slice(100, None), 0.5).csv())
+    done = certify(tmp_path, good().changed(1, slice(100, None), 0.5).csv(), "picture=false")
     assert done.returncode == 1 and "NOT certified" in done.stdout and "position defect" in done.stdout
     assert_refused(
         certify(tmp_path, good().csv().replace("p_z", "height")), "my plan.csv", "has no column p_z"

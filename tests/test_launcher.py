@@ -15,7 +15,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from omegaconf import OmegaConf
-from test_program import listen, on_terminal, program, records
+from program import listen, on_terminal, program, records, told
 
 from benchbench.run.execution import Ended
 from benchbench.storage.collect import collect
@@ -110,10 +110,11 @@ def test_repeats_are_timed_and_asked_for_again(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("field", "value"), [("workers", "0"), ("repeats", "0"), ("rerun", "some"), ("hard_limit", "-1")]
+    ("field", "value"),
+    [("workers", "0"), ("repeats", "0"), ("rerun", "some"), ("hard_limit", "-1"), ("picture", "no picture")],
 )
 def test_settings_are_checked(tmp_path: Path, field: str, value: str) -> None:
-    done = program(tmp_path, "+scenario=static", f"{field}={value}")
+    done = told(tmp_path, "+scenario=static", f"{field}={value}")
     assert done.returncode == 2
     assert f"  {field}: " in done.stderr
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 from peer_stand_in import cpc_folder, togt_folder
+from program import told
 from test_foreign import task
-from test_program import program
 
 from benchbench import pipeline
 from benchbench.errors import Crash, IncompatibleCase, NoPlan, Timeout, Unavailable
@@ -83,7 +83,7 @@ def test_what_is_not_there_or_cannot_be_asked(tmp_path: Path) -> None:
 
 def test_a_peer_that_hangs_costs_one_row(tmp_path: Path) -> None:
     folder = cpc_folder(tmp_path / "theirs")
-    done = program(
+    done = told(
         tmp_path,
         *task(),
         "strategy=peer",

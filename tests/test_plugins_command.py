@@ -6,13 +6,13 @@ from importlib.metadata import entry_points
 from pathlib import Path
 
 import pytest
-from test_program import program
+from program import told
 
 
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """Lines of the whole list."""
-    done = program(tmp_path_factory.mktemp("plugins"), "plugins")
+    done = told(tmp_path_factory.mktemp("plugins"), "plugins")
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()
 
@@ -31,7 +31,7 @@ def test_a_missing_library_is_told_with_its_remedy(printed: list[str]) -> None:
 
 
 def test_settings_of_a_solver_by_accuracy(tmp_path: Path) -> None:
-    done = program(tmp_path, "plugins", "solver=ipopt")
+    done = told(tmp_path, "plugins", "solver=ipopt")
     rows = {words[0]: words[1:] for line in done.stdout.splitlines() if (words := line.split())}
     assert rows["option"] == ["accuracy=low", "accuracy=medium", "accuracy=high"]
     low, medium, high = map(float, rows["tol"])
@@ -39,6 +39,6 @@ def test_settings_of_a_solver_by_accuracy(tmp_path: Path) -> None:
 
 
 def test_unknown_plugin(tmp_path: Path) -> None:
-    done = program(tmp_path, "plugins", "solver=ipop")
+    done = told(tmp_path, "plugins", "solver=ipop")
     assert done.returncode == 2
     assert "ipop" in done.stderr and "allowed" in done.stderr

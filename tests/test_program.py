@@ -10,45 +10,19 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
+from program import COMMAND, Done, assert_refused, listen, on_terminal, program, records, told
 
 from benchbench.storage.schema import COLUMNS
 from benchbench.storage.table import read
 
-COMMAND = (sys.executable, "-m", "benchbench")
-QUICK = ("strategy=phases", "scenario.intervals=20")
+QUICK = ("strategy=phases", "scenario.intervals=12", "picture=false")
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "own_config"
 TYPES = {"int": int, "float": float, "str": str, "bool": bool, "strings": list}
 needs_terminal = pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are POSIX")
-
-Done = subprocess.CompletedProcess[str]
-
-
-def program(folder: Path, *arguments: str, **environment: str) -> Done:
-    """Run the program in a folder, both outputs on pipes."""
-    return subprocess.run(
-        [*COMMAND, *arguments], cwd=folder, env={**os.environ, "OMP_NUM_THREADS": "1", **environment},
-        capture_output=True, text=True, timeout=300, check=False,
-    )  # fmt: skip
-
-
-def records(folder: Path) -> list[dict[str, Any]]:
-    return [json.loads(path.read_text()) for path in sorted(folder.rglob("record.json"))]
-
-
-def assert_refused(done: Done, field: str, says: str = "") -> None:
-    """Exit code 2 and one message of two lines: bad input, then the field."""
-    assert done.returncode == 2, done.stderr
-    first, second = done.stderr.splitlines()
-    assert first == "benchbench: bad input"
-    assert second.startswith(f"  {field}: ")
-    assert says in second
 
 
 @pytest.fixture(scope="module")
@@ -140,7 +114,7 @@ def test_broken_solver_leaves_a_record(tmp_path: Path, how: str, reason: str) ->
     (tmp_path / "broken.py").write_text(BROKEN)
     (tmp_path / "own" / "solver").mkdir(parents=True)
     (tmp_path / "own" / "solver" / "broken.yaml").write_text(f"_target_: broken.Broken\nhow: {how}\n")
-    done = program(
+    done = told(
         tmp_path, "--config-dir", "own", "+scenario=static", *QUICK, "solver=broken", PYTHONPATH=str(tmp_path)
     )
     assert done.returncode == 1
@@ -172,7 +146,7 @@ def test_bad_input_is_one_message_and_nothing_is_computed(
     (tmp_path / "file").touch()
     (tmp_path / "taken").mkdir()
     (tmp_path / "taken" / "table").touch()  # the run's own folder can be made, the table's cannot
-    done = program(tmp_path, *arguments)
+    done = told(tmp_path, *arguments)
     assert_refused(done, field, says)
     assert done.stdout == ""
     assert not list(tmp_path.rglob("*.json")) + list(tmp_path.rglob("*.parquet"))
@@ -181,18 +155,18 @@ def test_bad_input_is_one_message_and_nothing_is_computed(
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="root may write everywhere")
 def test_read_only_folder_is_refused(tmp_path: Path) -> None:
     (tmp_path / "locked").mkdir(mode=0o500)
-    assert_refused(program(tmp_path, "+scenario=static", "output=locked"), "output", "Permission denied")
+    assert_refused(told(tmp_path, "+scenario=static", "output=locked"), "output", "Permission denied")
 
 
 def test_traceback_is_shown_when_asked(tmp_path: Path) -> None:
-    done = program(tmp_path, "+scenario=static", "vehicle.arm_mass=-1", "--traceback")
+    done = told(tmp_path, "+scenario=static", "vehicle.arm_mass=-1", "--traceback")
     assert done.returncode == 2
     assert done.stderr.startswith("Traceback")
     assert done.stderr.endswith("vehicle.arm_mass: -1 was given; allowed: a number greater than 0\n")
 
 
 def test_without_arguments_it_explains_itself(tmp_path: Path) -> None:
-    done = program(tmp_path)
+    done = told(tmp_path)
     assert_refused(done, "scenario", "+scenario=NAME")
     assert "+scenario    circle, delivery, detour" in done.stdout
     assert not list(tmp_path.iterdir())
@@ -201,7 +175,7 @@ def test_without_arguments_it_explains_itself(tmp_path: Path) -> None:
 def test_row_stays_when_the_picture_cannot_be_written(tmp_path: Path) -> None:
     (tmp_path / "out" / "plan.png").mkdir(parents=True)
     (tmp_path / "out" / "record.json").write_text("{}")  # of an earlier run
-    done = program(tmp_path, "+scenario=static", *QUICK, "hydra.run.dir=out")
+    done = told(tmp_path, "+scenario=static", *QUICK, "picture=true", "hydra.run.dir=out")
     assert_refused(done, "output", "cannot write into")
     (record,) = records(tmp_path)
     assert record["status"] == "uncertified"
@@ -222,34 +196,35 @@ def test_console_script_helps_with_the_choices_of_an_own_folder(tmp_path: Path) 
 
 
 def test_own_files_and_a_plan_that_is_not_certified(tmp_path: Path) -> None:
-    """A relative folder; 20 intervals are too few for any certificate."""
+    """A relative folder; 12 intervals are too few for any certificate."""
     shutil.copytree(EXAMPLE, tmp_path / "own")
-    done = program(tmp_path, "--config-dir", "own", "+scenario=conveyor", "vehicle=long_arm", *QUICK)
+    done = told(tmp_path, "--config-dir", "own", "+scenario=conveyor", "vehicle=long_arm", *QUICK)
     assert (done.returncode, done.stderr) == (1, "")
     (record,) = records(tmp_path)
     assert (record["scenario"], record["vehicle"]) == ("conveyor", "long_arm")
     assert (record["status"], record["claimed_success"], record["certified"]) == ("uncertified", True, False)
     assert record["reasons"]
     assert "NOT certified (the solver claims success)" in done.stdout
+    assert not list(tmp_path.rglob("plan.png")) and "plan.png" not in done.stdout  # picture=false
     assert " more, see the record" in done.stdout
     assert max(map(len, done.stdout.splitlines())) <= 80
 
 
 def test_overrides_of_own_files_are_checked(tmp_path: Path) -> None:
     shutil.copytree(EXAMPLE, tmp_path / "own")
-    done = program(tmp_path, "--config-dir", "own", "+scenario=conveyor", "scenario.target.start=[0,0,0]")
+    done = told(tmp_path, "--config-dir", "own", "+scenario=conveyor", "scenario.target.start=[0,0,0]")
     assert_refused(done, "scenario.target.start", "perhaps 'start_m' is meant")
 
 
 def test_sweep_gives_one_row_per_combination_also_for_bad_ones(tmp_path: Path) -> None:
-    done = program(tmp_path, "-m", "+scenario=static,linear,circle", "scenario.kappa_init=90,2", *QUICK)
+    done = told(tmp_path, "-m", "+scenario=static,linear,circle", "scenario.kappa_init=90,2", *QUICK)
     assert done.returncode == 2
     rows = read(tmp_path / "results")
     assert len(rows) == 6 and rows["run_id"].is_unique and rows["config_hash"].is_unique
     rows = rows.set_index(["scenario", "kappa_init"])
     for scenario in ("static", "linear", "circle"):
         assert rows.loc[(scenario, 90), "status"] == "bad_input"
-        assert "do not fit into 20 intervals" in rows.loc[(scenario, 90), "reasons"][0]
+        assert "do not fit into 12 intervals" in rows.loc[(scenario, 90), "reasons"][0]
         assert rows.loc[(scenario, 2), "claimed_success"]
     assert done.stderr.count("benchbench: bad input (run ") == 3
     assert "Traceback" not in done.stderr
@@ -263,53 +238,16 @@ def test_sweep_gives_one_row_per_combination_also_for_bad_ones(tmp_path: Path) -
 def test_a_refused_run_is_skipped_with_its_exit_code_unless_failed_ones_are_asked_for(tmp_path: Path) -> None:
     sweep = ("-m", "+scenario=static", "scenario.kappa_init=90", *QUICK)
     for more, rows, skipped in (((), 1, False), ((), 1, True), (("rerun=failed",), 2, False)):
-        done = program(tmp_path, *sweep, *more)
+        done = told(tmp_path, *sweep, *more)
         assert done.returncode == 2
         assert ("1 of 1 runs are in the table" in done.stdout) is skipped
         assert list(read(tmp_path / "results")["status"]) == ["bad_input"] * rows
 
 
 def test_unknown_choice_in_a_sweep_is_refused_before_the_first_run(tmp_path: Path) -> None:
-    done = program(tmp_path, "-m", "+scenario=static,triangle", *QUICK)
+    done = told(tmp_path, "-m", "+scenario=static,triangle", *QUICK)
     assert_refused(done, "scenario", "'triangle' does not exist")
     assert not list(tmp_path.rglob("record.json"))
-
-
-@contextmanager
-def on_terminal(
-    folder: Path, *arguments: str, **environment: str
-) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
-    """The program with both outputs on a pseudo-terminal of 80 columns; gives the process and our end."""
-    import fcntl
-    import pty
-    import struct
-    import termios
-
-    ours, theirs = pty.openpty()
-    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
-    process = subprocess.Popen(
-        [*COMMAND, *arguments], cwd=folder, stdin=theirs, stdout=theirs, stderr=theirs,
-        env={**os.environ, "OMP_NUM_THREADS": "1", "TERM": "xterm", "NO_COLOR": "1", **environment},
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )  # fmt: skip
-    os.close(theirs)
-    try:
-        yield process, ours
-    finally:
-        process.kill()
-        process.wait()
-        os.close(ours)
-
-
-def listen(terminal: int, until: str = "", seconds: float = 120.0) -> str:
-    """What the program prints, up to a text or to its end."""
-    heard, limit = "", time.monotonic() + seconds
-    while not (until and until in heard) and time.monotonic() < limit:
-        try:
-            heard += os.read(terminal, 65536).decode(errors="replace")
-        except OSError:  # Linux: the other end is closed
-            break
-    return heard
 
 
 @needs_terminal

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from browser import address, browser, errors
-from test_program import program, records
+from program import records, told
 from test_table import row
 
 from benchbench import pipeline
@@ -164,12 +164,12 @@ def test_the_track_is_coloured_by_speed_with_its_gates(flown: pipeline.Run) -> N
 
 
 def test_the_page_has_the_table_and_opens_without_an_error(tmp_path: Path) -> None:
-    done = program(
+    done = told(
         tmp_path, "-m", "+scenario=race", "scenario.gates=1,2", "scenario.nodes_per_gate=20",
-        "dynamics=rk4,lie_verlet",
+        "dynamics=rk4,lie_verlet", "picture=false",
     )  # fmt: skip
     assert done.returncode in (0, 1), done.stderr
-    assert program(tmp_path, "report", "results").returncode == 0
+    assert told(tmp_path, "report", "results").returncode == 0
     found = content([tmp_path / "results"], None, 0)
     assert found.runs.gates.tolist().count(2) == 2
     page = (tmp_path / "report.html").read_text()

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from test_program import assert_refused, program
+from program import assert_refused, told
 
 from benchbench.errors import BadInput
 from benchbench.regression import baseline
@@ -29,13 +29,13 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("regress")
     (folder / "base").mkdir()
     (folder / "base" / "matrix.yaml").write_text(MATRIX)
-    done = program(folder, "regress", "--baseline", "base", "--update")
+    done = told(folder, "regress", "--baseline", "base", "--update")
     assert done.returncode == 0, done.stderr
     return folder
 
 
 def test_an_unchanged_program_passes(stored: Path) -> None:
-    done = program(stored, "regress", "--baseline", "base")
+    done = told(stored, "regress", "--baseline", "base")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "0 worse" in done.stdout
 
@@ -49,7 +49,7 @@ def test_the_baseline_says_where_it_comes_from(stored: Path) -> None:
 
 def test_a_planted_slow_down_is_caught(stored: Path) -> None:
     slow = ["~solver", "+solver._target_=slow_solver.Slow"]
-    done = program(stored, "regress", "--baseline", "base", *slow, PYTHONPATH=str(Path(__file__).parent))
+    done = told(stored, "regress", "--baseline", "base", *slow, PYTHONPATH=str(Path(__file__).parent))
     assert done.returncode == 1, done.stdout + done.stderr
     last = done.stdout.splitlines()[-1]
     assert last.startswith("small: solve / reference was ")
@@ -59,7 +59,7 @@ def test_a_planted_slow_down_is_caught(stored: Path) -> None:
 def test_a_planted_loss_of_travel_time_is_caught(stored: Path) -> None:
     best = baseline.load(stored / "base")[1]["small"]["travel_time_s"]
     slower = f"scenario.travel_time=[{1.02 * best},20]"  # no faster plan is allowed
-    done = program(stored, "regress", "--baseline", "base", slower)
+    done = told(stored, "regress", "--baseline", "base", slower)
     assert done.returncode == 1, done.stdout + done.stderr
     assert any(x.startswith("small: travel_time_s was ") and "+2.0%" in x for x in done.stdout.splitlines())
 
@@ -109,28 +109,28 @@ def test_a_bad_matrix_is_refused(tmp_path: Path, text: str, named: str) -> None:
 
 
 def test_bad_calls_are_explained(stored: Path, tmp_path: Path) -> None:
-    assert_refused(program(tmp_path, "regress", "--base", "x"), "benchbench regress", "--base")
-    none = program(tmp_path, "regress")
+    assert_refused(told(tmp_path, "regress", "--base", "x"), "benchbench regress", "--base")
+    none = told(tmp_path, "regress")
     assert none.returncode == 2
     assert "--baseline" in none.stderr and "matrix.yaml" in none.stderr
     shutil.copy(stored / "base" / "matrix.yaml", tmp_path)
-    early = program(tmp_path, "regress", "--baseline", ".")
+    early = told(tmp_path, "regress", "--baseline", ".")
     assert early.returncode == 2
     assert "--update" in early.stderr
     (tmp_path / "baseline.json").write_text("{")
-    assert program(tmp_path, "regress", "--baseline", ".").returncode == 2
+    assert told(tmp_path, "regress", "--baseline", ".").returncode == 2
     content = json.loads((stored / "base" / "baseline.json").read_text())
     content["cases"]["small"]["ratios"] = []
     (tmp_path / "baseline.json").write_text(json.dumps(content))
-    broken = program(tmp_path, "regress", "--baseline", ".")
+    broken = told(tmp_path, "regress", "--baseline", ".")
     assert broken.returncode == 2
     assert "ratios" in broken.stderr
     content = json.loads((stored / "base" / "baseline.json").read_text())
     content["cases"]["small"]["travel_time_s"] = float("nan")  # nothing is worse than that
     (tmp_path / "baseline.json").write_text(json.dumps(content))
-    unknown = program(tmp_path, "regress", "--baseline", ".")
+    unknown = told(tmp_path, "regress", "--baseline", ".")
     assert unknown.returncode == 2
     assert "cases.small.travel_time_s" in unknown.stderr
-    unknown = program(stored, "regress", "--baseline", "base", "relaxation=nonsense")
+    unknown = told(stored, "regress", "--baseline", "base", "relaxation=nonsense")
     assert unknown.returncode == 2
     assert "nonsense" in unknown.stderr

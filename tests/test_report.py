@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import shutil
-import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,12 +15,12 @@ import pandas as pd
 import pytest
 from browser import address, browser, errors
 from omegaconf import OmegaConf
+from program import Done, assert_refused, records, told
 from selenium.webdriver import ActionChains, Keys
 from selenium.webdriver.common.by import By
 from selenium.webdriver.remote.webdriver import WebDriver
 from selenium.webdriver.support.ui import WebDriverWait
 from test_picture import curved_plan, dense, task, vehicle
-from test_program import Done, assert_refused, program, records
 from test_table import row
 
 from benchbench.cli.report_content import best_first, content
@@ -37,6 +36,7 @@ SWEEP = (
     "scenario.intervals=20,100",
     "dynamics=verlet,midpoint",
     "strategy=phases",
+    "picture=false",
 )
 RUNS = 9
 
@@ -45,14 +45,14 @@ RUNS = 9
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Done]:
     """A real sweep, one run that crashed and a broken record, and the report on them."""
     folder = tmp_path_factory.mktemp("report")
-    assert program(folder, "-m", *SWEEP).stdout.splitlines()[-1].endswith("of 8 runs certified")
+    assert told(folder, "-m", *SWEEP).stdout.splitlines()[-1].endswith("of 8 runs certified")
     write_record(
         folder / "results" / "runs" / "crash",
         row("crash", status="crash", certified=False, travel_time_s=None),
     )
     (folder / "results" / "broken").mkdir()
     (folder / "results" / "broken" / "record.json").write_text("{")
-    return folder, program(folder, "report", "results", "--plans", "3")
+    return folder, told(folder, "report", "results", "--plans", "3")
 
 
 @pytest.fixture
@@ -252,19 +252,18 @@ def test_bad_arguments_are_bad_input(
     made: tuple[Path, Done], arguments: tuple[str, ...], field: str, says: str
 ) -> None:
     (made[0] / "empty").mkdir(exist_ok=True)
-    done = program(made[0], "report", *arguments)
+    done = told(made[0], "report", *arguments)
     if "results" in arguments:  # the broken record is told first
         done.stderr = "".join(done.stderr.partition("benchbench: bad input")[1:])
     assert_refused(done, field, says)
 
 
 @pytest.mark.parametrize("package", ["plotly", "jinja2"])
-def test_without_the_extra_the_remedy_is_named(package: str, tmp_path: Path) -> None:
-    script = f"import sys; sys.modules[{package!r}] = None; from benchbench.cli.application import start; " \
-             f"sys.exit(start(['report', {str(tmp_path)!r}]))"  # fmt: skip
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, timeout=100, check=False
-    )
+def test_without_the_extra_the_remedy_is_named(
+    package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    done = told(tmp_path, "report", str(tmp_path))
     assert done.returncode == 2
     assert "pip install 'benchbench[report]'" in done.stderr
 
@@ -418,7 +417,7 @@ def test_texts_of_a_record_stay_texts(tmp_path: Path) -> None:
     }
     for name in ("a", "b"):
         write_record(tmp_path / "results" / name, row(name, **{**values, "relaxation": evil + name}))
-    done = program(tmp_path, "report", "results", "--title", evil)
+    done = told(tmp_path, "report", "results", "--title", evil)
     assert done.returncode == 0, done.stderr
     with browser(1400) as driver:
         opened(driver, tmp_path / "report.html")

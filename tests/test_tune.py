@@ -11,8 +11,8 @@ from pathlib import Path
 import optuna
 import pandas as pd
 import pytest
+from program import records, told
 from test_launcher import path_with_bad_runs
-from test_program import program, records
 
 from benchbench import pipeline
 from benchbench.cli.commands import tune
@@ -26,7 +26,7 @@ from benchbench.tuning.storage import opened
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "tuning" / "schedule.yaml"
 SMALL = ("+scenario=static,linear", "strategy=phases", "dynamics=collocation", "scenario.intervals=24,25")
-OPTUNA = ("-m", "hydra/sweeper=optuna", "hydra.sweeper.sampler=random")
+OPTUNA = ("-m", "hydra/sweeper=optuna", "hydra.sweeper.sampler=random", "picture=false", "workers=1")
 
 
 def study(folder: Path, name: str = "tune") -> optuna.Study:
@@ -34,7 +34,7 @@ def study(folder: Path, name: str = "tune") -> optuna.Study:
 
 
 def test_a_study_ends_with_a_configuration_that_runs_and_goes_on(tmp_path: Path) -> None:
-    first = program(tmp_path, *OPTUNA, *SMALL, "hydra.sweeper.n_trials=2")
+    first = told(tmp_path, *OPTUNA, *SMALL, "hydra.sweeper.n_trials=2")
     assert first.returncode == 0, first.stdout + first.stderr
     assert "Pareto front" in first.stdout
     folder = tmp_path / "results" / "tune" / "tune"
@@ -47,12 +47,12 @@ def test_a_study_ends_with_a_configuration_that_runs_and_goes_on(tmp_path: Path)
         assert trial.values[0] == pytest.approx(sum(r["travel_time_s"] for r in of_trial), abs=1e-12)
         assert trial.values[1] == pytest.approx(sum(r["solve_cpu_s"] for r in of_trial), abs=1e-12)
     best = pd.read_csv(folder / "front.csv").iloc[0]
-    tuned = program(tmp_path, "--config-dir", str(folder), "+scenario=static", "+tuned=best", "output=again")
+    tuned = told(tmp_path, "--config-dir", str(folder), "+scenario=static", "+tuned=best", "output=again")
     assert tuned.returncode == 0, tuned.stdout + tuned.stderr
     (record,) = records(tmp_path / "again")
     assert (record["strategy"], record["dynamics"]) == ("phases", "collocation")
     assert record["intervals"] == best["scenario.intervals"]
-    again = program(tmp_path, *OPTUNA, *SMALL, "hydra.sweeper.n_trials=1")
+    again = told(tmp_path, *OPTUNA, *SMALL, "hydra.sweeper.n_trials=1")
     assert "goes on after 2 trials" in again.stdout
     assert len(study(tmp_path).trials) == 3
 
@@ -94,7 +94,7 @@ def test_processes_share_a_study(tmp_path: Path, storage: str) -> None:
 
 
 def test_a_crash_costs_a_trial_and_is_not_good(tmp_path: Path) -> None:
-    done = program(
+    done = told(
         tmp_path, *OPTUNA, "+scenario=static", "~strategy", "+strategy._target_=bad_runs.Bad", "scenario.intervals=12",
         "+strategy.how=segfault,exit", "hydra.sweeper.n_trials=2", "hydra.sweeper.objectives=[travel_time_s]",
         PYTHONPATH=path_with_bad_runs(),
@@ -111,7 +111,7 @@ def test_a_bad_trial_is_pruned_after_a_problem(tmp_path: Path) -> None:
         "scenario.intervals=choice(12,25)",
         "dynamics=collocation",
     )
-    done = program(
+    done = told(
         tmp_path, *OPTUNA, *space, "hydra.sweeper.n_trials=2", "hydra.sweeper.objectives=[travel_time_s]",
         "hydra.sweeper.prune=true", "hydra.sweeper.seed=0",
     )  # fmt: skip
@@ -156,7 +156,7 @@ def test_pruned_runs_of_a_study_are_told_and_stored_as_such(tmp_path: Path) -> N
     made = optuna.create_study(study_name="tune", storage=url)
     made.set_user_attr("objectives", ["iterations"])
     good_trial(made, 1.0)
-    done = program(
+    done = told(
         tmp_path, *OPTUNA, "+scenario=static,linear", "scenario.intervals=12,13", "relaxation.schedule=[1e-2,1e-6]",
         "hydra.sweeper.objectives=[iterations]", "hydra.sweeper.n_trials=1", "hydra.sweeper.prune=steps",
         f'hydra.sweeper.storage="{url}"',
@@ -216,7 +216,7 @@ def test_a_file_says_the_same_as_the_command_line() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "said"),
     [
         (("scenario.intervals=20",), "no field is to be tuned"),
         (("scenario.intervals=interval(30,20)",), "scenario.intervals"),
@@ -233,10 +233,10 @@ def test_a_file_says_the_same_as_the_command_line() -> None:
         ),
     ],
 )
-def test_bad_input(tmp_path: Path, arguments: tuple[str, ...], told: str) -> None:
-    done = program(tmp_path, *OPTUNA, "+scenario=static", *arguments)
+def test_bad_input(tmp_path: Path, arguments: tuple[str, ...], said: str) -> None:
+    done = told(tmp_path, *OPTUNA, "+scenario=static", *arguments)
     assert done.returncode == 2, done.stdout + done.stderr
-    assert told in done.stderr
+    assert said in done.stderr
     assert "Traceback" not in done.stderr
 
 

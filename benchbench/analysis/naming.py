@@ -11,7 +11,17 @@ METHOD = ("dynamics", "relaxation", "solver", "strategy", "guess")
 PROBLEM = ("scenario", "vehicle")
 NUMBERS = {"intervals": "N", "kappa_init": "κ", "seed": "seed"}
 """Columns of the table that tell problems apart, and how they are written."""
-NEITHER = ("output", "workers", "rerun", "hard_limit", "memory_limit_mb", "seed", "time_limit", "repeats")
+NEITHER = (
+    "output",
+    "workers",
+    "rerun",
+    "hard_limit",
+    "memory_limit_mb",
+    "seed",
+    "time_limit",
+    "repeats",
+    "picture",
+)
 """Fields of the configuration that are no part of a name."""
 
 Settings = Mapping[str, Any]

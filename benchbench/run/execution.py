@@ -161,7 +161,7 @@ def _complaint(error: Exception, told: Exception) -> Complaint:
 
 def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
     case = config.build(cfg, place.chosen)
-    repeats = settings.Settings.of(cfg).repeats
+    how = settings.Settings.of(cfg)
     _check_writable(place.root)
     known = BestKnown.load(packaged(), place.root / BEST_KNOWN)
     told = instantiate(cfg.on_step) if cfg.get("on_step") else None
@@ -169,9 +169,10 @@ def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
         cfg, [str(key) for key in cfg if key != "on_step"]
     )  # a study's part stays out of the files
     with LiveLine(told) as line:
-        done = pipeline.run(case, line, place.labels, repeats, known)
+        done = pipeline.run(case, line, place.labels, how.repeats, known)
         line.stage("files", None)
-        return done, pipeline.write(done, place.folder, place.root, OmegaConf.to_yaml(own, resolve=True))
+        text = OmegaConf.to_yaml(own, resolve=True)
+        return done, pipeline.write(done, place.folder, place.root, text, how.picture)
 
 
 def _check_writable(root: Path) -> None:

@@ -22,6 +22,8 @@ class Settings:
 
     workers: int
     rerun: Rerun
+    picture: bool
+    """Whether the plan is drawn."""
     repeats: int
     """Solves whose times are recorded; 1 is the one that gives the plan."""
     hard_limit: float
@@ -36,10 +38,13 @@ class Settings:
             _check(name, cfg.get(name), low)
         if cfg.get("rerun", "missing") not in get_args(Rerun):
             raise BadInput("rerun", f"{cfg.get('rerun')!r} was given", ", ".join(get_args(Rerun)))
+        if not isinstance(cfg.get("picture", True), bool):
+            raise BadInput("picture", f"{cfg.get('picture')!r} was given", "true or false")
         repeats = cfg.get("repeats") or 1
         return cls(
             workers=cfg.get("workers") or usable_cpus() or 1,
             rerun=cfg.get("rerun", "missing"),
+            picture=cfg.get("picture", True),
             repeats=repeats,
             hard_limit=cfg.get("hard_limit") or (2.0 + repeats) * cfg.time_limit + 60.0,
             memory_limit_mb=cfg.get("memory_limit_mb"),

@@ -73,7 +73,8 @@ def _one_pool(
     tasks: Mapping[int, Task], workers: int, search_path: ConfigSearchPath
 ) -> Iterator[tuple[int, Ended | Exception]]:
     """Give the ends of tasks until all are done or the pool is broken."""
-    with _pool(min(workers, len(tasks)), search_path) as pool:
+    drawing = any(settings.picture for _, _, settings in tasks.values())
+    with _pool(min(workers, len(tasks)), search_path, drawing) as pool:
         waiting: dict[Future[Ended], tuple[int, Task]] = {}
         for number, (job, place, settings) in tasks.items():
             try:
@@ -102,8 +103,9 @@ def _end(future: Future[Ended], task: Task) -> Ended | Exception:
 
 
 @contextmanager
-def _pool(workers: int, search_path: ConfigSearchPath) -> Iterator[ProcessPool]:
-    pool = ProcessPool(workers, initializer=worker.begin, initargs=(search_path,), context=_Context())
+def _pool(workers: int, search_path: ConfigSearchPath, drawing: bool) -> Iterator[ProcessPool]:
+    about = (search_path, drawing)
+    pool = ProcessPool(workers, initializer=worker.begin, initargs=about, context=_Context())
     try:
         yield pool
     finally:

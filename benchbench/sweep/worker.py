@@ -29,19 +29,25 @@ from benchbench.run.execution import Ended, execute
 from benchbench.run.settings import Settings
 from benchbench.sweep.job import Job
 
-WRITERS = ("benchbench.report.picture", "benchbench.storage.recording", "benchbench.storage.table")
+WRITERS = ("benchbench.storage.recording", "benchbench.storage.table")
+PICTURE = "benchbench.report.picture"
 """Modules that a run needs once it has a plan."""
 LOG = "output.log"
 """File in a run's folder with what native code printed; only if there was any."""
 _PR_SET_PDEATHSIG = 1
 
 
-def begin(search_path: ConfigSearchPath) -> None:
-    """Make this process a worker: it ends with its parent, leads its own group, and knows Hydra's search path."""
+def begin(search_path: ConfigSearchPath, picture: bool = True) -> None:
+    """Make this process a worker: it ends with its parent, leads its own group, and knows Hydra's search path.
+
+    picture: whether any of its runs will draw.
+    """
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)  # killed with its compilers; Ctrl-C is for the parent
     _end_with_parent()
-    for module in WRITERS:  # not at the top: the parent, and whoever refuses bad input, does without
+    for module in (
+        (*WRITERS, PICTURE) if picture else WRITERS
+    ):  # not at the top: the parent, and whoever refuses bad input, does without
         import_module(module)
     version.setbase("1.3")
     Plugins.instance()  # finds the kinds of places that configuration comes from
