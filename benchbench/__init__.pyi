@@ -29,6 +29,8 @@ from .ocp.scenario import Scenario
 from .planning.case import Case, Guess, MpccStrategy, ReadyCase, Strategy
 from .planning.peer import Peer
 from .planning.result import Result, Solution
+from .run.verbs import certify, load, plan, runs
+from .run.view import RunView
 from .transcription.dynamics import Dynamics
 from .transcription.grid import Grid, Phase, Trajectory
 
@@ -39,6 +41,7 @@ __all__ = [
     "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "Grid", "Guess", "IncompatibleCase", "Ledger",
     "Method", "Model", "Motion", "Mpcc", "MpccStrategy", "NoPlan", "Node", "Outcome", "Pair", "PairKind",
     "Parametric", "Peer", "Phase", "Plan", "Plant", "Point", "Prepared", "Progress", "ReadyCase", "ReadyMade",
-    "Relaxation", "Relaxed", "Result", "Scenario", "Schedule", "Setup", "Shared", "Slot", "Solution", "Solver",
-    "Strategy", "Target", "Trajectory", "Unavailable", "Unknown", "Variable", "evaluate", "rows", "whole",
+    "Relaxation", "Relaxed", "Result", "RunView", "Scenario", "Schedule", "Setup", "Shared", "Slot", "Solution",
+    "Solver", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown", "Variable", "certify", "evaluate",
+    "load", "plan", "rows", "runs", "whole",
 ]  # fmt: skip

@@ -373,6 +373,29 @@ def test_any_model_can_be_drawn(tmp_path: Path) -> None:
     assert (tmp_path / "p.png").stat().st_size > 10_000
 
 
+def test_a_figure_looks_the_same_whatever_the_settings_of_who_shows_it(tmp_path: Path) -> None:
+    model, plan = vehicle(), curved_plan(vehicle())
+    shown = (plan, task(), model, dense(plan), "T", "certified")
+    picture.draw(tmp_path / "p.png", *shown)
+    with Image.open(tmp_path / "p.png") as file:
+        stored = np.asarray(file.convert("RGB"))
+    figure, before = picture.figure(*shown), mpl.rcParams.copy()
+    with mpl.rc_context(
+        {
+            "font.size": 20,
+            "xtick.labelsize": 20,
+            "axes.grid": False,
+            "text.color": "red",
+            "figure.facecolor": "black",
+        }
+    ):
+        canvas = FigureCanvasAgg(figure)
+        figure.set_dpi(150)
+        canvas.draw()
+        assert np.array_equal(np.asarray(canvas.buffer_rgba())[..., :3], stored)
+    assert mpl.rcParams.copy() == before
+
+
 def test_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     model, path = vehicle(), tmp_path / "file" / "p.png"
     path.parent.write_text("in the way")
@@ -380,13 +403,15 @@ def test_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         picture.draw(path, curved_plan(model), task(), model, None, "T", "certified")
 
 
-def test_no_global_plot_state() -> None:
+def test_no_global_plot_state_and_a_face_that_loads_nothing() -> None:
     code = (
-        "import sys, matplotlib as m; before = m.rcParams.copy(); import benchbench.report.picture\n"
+        "import sys, benchbench\n"
+        "print({'numpy', 'casadi', 'hydra', 'pandas', 'matplotlib', 'pydantic', 'rich'} & set(sys.modules))\n"
+        "import matplotlib as m; before = m.rcParams.copy(); import benchbench.report.picture\n"
         "print('matplotlib.pyplot' in sys.modules, before == m.rcParams.copy())"
     )
     environment = {"PYTHONPATH": str(ROOT), "PATH": ""}
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
     )
-    assert done.stdout.split() == ["False", "True"]
+    assert done.stdout.split() == ["set()", "False", "True"]

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import comb
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from benchbench.arrays import Array
+from benchbench.ocp.columns import NODE, TIME, input_columns, progress_columns, velocity_columns
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Interpolation = Literal["hold", "linear", "bezier"]
 
@@ -119,6 +123,36 @@ class Plan:
         k = np.clip(np.searchsorted(self.time, time, side="right") - 1, 0, self.intervals - 1)
         share = np.clip((time - self.time[k]) / np.diff(self.time)[k], 0.0, 1.0)
         return bezier(self.input_pieces[k], share)
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the plan as a table, one row per node, SI units and rad; `frame.attrs["units"]` names each.
+
+        time                 s
+        coordinates          by their names, in `coordinate_units`
+        velocities           by their names, in `velocity_units`; v_x, v_roll, ... where those are the coordinates'
+        inputs               by their names, in `input_units`, as they are at the node: held until the next ("hold"), on
+                             a line to the next ("linear"), the first control point of a polynomial ("bezier", whose
+                             others are motor_1.1, motor_1.2, ...). Only "linear" has inputs in the last row
+        progress             progress index, 1; progress_NAME for each stop where there are several
+        """
+        import pandas as pd  # half a second, which plans that nobody looks at need not take
+
+        pieces = self.input_pieces if self.interpolation == "bezier" else self.inputs[:, None, :]
+        inputs = np.full((len(self.time), *pieces.shape[1:]), np.nan)
+        inputs[: len(pieces)] = pieces
+        points = pieces.shape[1]
+        names = [
+            TIME, *self.coordinate_names, *velocity_columns(self.coordinate_names, self.velocity_names),
+            *input_columns(self.input_names, points), *progress_columns(self.stop_names),
+        ]  # fmt: skip
+        units = [
+            "s", *self.coordinate_units, *self.velocity_units, *self.input_units * points, *["1"] * len(self.stop_names)
+        ]  # fmt: skip
+        flat = inputs.reshape(len(self.time), -1)
+        values = np.column_stack([self.time, self.configuration, self.velocity, flat, self.claims])
+        frame = pd.DataFrame(values, columns=names).rename_axis(NODE)
+        frame.attrs["units"] = dict(zip(names, units, strict=True))
+        return frame
 
 
 def bernstein(count: int, s: Any) -> list[Any]:

@@ -22,7 +22,7 @@ from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.limits_panel import contact_panels, limit_panels
 from benchbench.report.panel import Panel, draw_panel
-from benchbench.report.png import write_png
+from benchbench.report.png import Picture, write_png
 from benchbench.report.race import race_figure
 from benchbench.report.style import BAD, CONTACT, GOOD, INK, LIMIT, RC
 from benchbench.report.views import Scene, draw_view, label_times, legend_handles, scene
@@ -57,20 +57,33 @@ def draw(
     title: str,
     verdict: str,
 ) -> None:
-    """Write the picture of a plan as PNG, 2100 px wide.
+    """Write the picture of a plan, `figure`, as PNG, 2100 px wide.
+
+    Raises BadInput("output", ...) when the file system refuses.
+    """
+    with mpl.rc_context(RC), replacing(path) as temporary:
+        write_png(_figure(plan, scenario, model, replay, title, verdict), temporary)
+
+
+def figure(
+    plan: Plan, scenario: Scenario, model: Model, replay: Replay | None, title: str, verdict: str
+) -> Figure:
+    """Return the picture of a plan as a figure that a notebook shows; no state of pyplot plays a part.
 
     replay   the inputs on the plant, on a dense grid; None draws the plan alone
     title    what was run, for example scenario and solver
     verdict  "certified", or "NOT certified: <first reason>"
-    Raises BadInput("output", ...) when the file system refuses.
     """
+    with mpl.rc_context(RC):
+        return _figure(plan, scenario, model, replay, title, verdict)
+
+
+def _figure(
+    plan: Plan, scenario: Scenario, model: Model, replay: Replay | None, title: str, verdict: str
+) -> Figure:
     if isinstance(scenario, Race):
-        with mpl.rc_context(RC), replacing(path) as temporary:
-            write_png(race_figure(plan, scenario, model, replay, title, verdict), temporary)
-        return
-    sheet = page(plan, scenario, model, replay, title, verdict)
-    with mpl.rc_context(RC), replacing(path) as temporary:
-        write_png(compose(sheet, replay is not None), temporary)
+        return race_figure(plan, scenario, model, replay, title, verdict)
+    return compose(page(plan, scenario, model, replay, title, verdict), replay is not None)
 
 
 def page(
@@ -104,7 +117,7 @@ def compose(page: Page, replayed: bool) -> Figure:
     views = max(sum(_view_heights(page.scene)), ROW_IN * len(page.contacts))
     heights = [HEADER_IN, views, ROW_IN * rows]
     layout = ConstrainedLayoutEngine(w_pad=0.09, h_pad=0.05)
-    figure = Figure(figsize=(WIDTH_IN, sum(heights)), layout=layout, facecolor="white")
+    figure = Picture(figsize=(WIDTH_IN, sum(heights)), layout=layout, facecolor="white")
     header, top, bottom = figure.subfigures(3, 1, height_ratios=heights, squeeze=False)[:, 0]
     left, right = top.subfigures(1, 2, width_ratios=[2, 1], squeeze=False)[0]
     _header(header, page, replayed)

@@ -22,6 +22,7 @@ from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate, Triple
 from benchbench.report.panel import draw_panel
+from benchbench.report.png import Picture
 from benchbench.report.race_panels import race_panels
 from benchbench.report.style import BAD, GOOD, INK, TARGET
 
@@ -51,7 +52,7 @@ def race_figure(
     """Lay the page out."""
     race = as_passed(plan, race, NEAR)
     layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.04)
-    figure = Figure(figsize=(WIDTH_IN, HEIGHT_IN), layout=layout, facecolor="white")
+    figure = Picture(figsize=(WIDTH_IN, HEIGHT_IN), layout=layout, facecolor="white")
     shares = [HEADER_IN, HEIGHT_IN - HEADER_IN]
     header, body = figure.subfigures(2, 1, height_ratios=shares, squeeze=False)[:, 0]
     left, right = body.subfigures(1, 2, width_ratios=[1.35, 1], squeeze=False)[0]

@@ -101,17 +101,23 @@ def compose_any(*overrides: str, stored: bool = False) -> Case | ReadyCase:
 
     stored: the overrides stood in a folder of results, so they are data: only installed plugins are made.
     """
+    cfg, chosen = composed(*overrides)
+    if stored:
+        trust.check(OmegaConf.to_container(cfg, resolve=True), "configuration")
+    return build(cfg, chosen)
+
+
+def composed(*overrides: str) -> tuple[DictConfig, dict[str, Any]]:
+    """Return the configuration that overrides lead to, and the names of its choices by family. Raises BadInput."""
     with hydra.initialize_config_dir(folder(), version_base="1.3"):
         try:
             cfg = hydra.compose("config", meant(overrides), return_hydra_config=True)
-            chosen = dict(cfg.hydra.runtime.choices)
-            with open_dict(cfg):
-                del cfg["hydra"]
         except (*EXPECTED, ValueError) as error:
             raise explained(error) from error
-        if stored:
-            trust.check(OmegaConf.to_container(cfg, resolve=True), "configuration")
-        return build(cfg, chosen)
+    chosen = dict(cfg.hydra.runtime.choices)
+    with open_dict(cfg):
+        del cfg["hydra"]
+    return cfg, chosen
 
 
 def meant(overrides: Sequence[str], more: str | None = None) -> list[str]:
@@ -154,6 +160,14 @@ def scene_parts(tree: Mapping[str, Any]) -> tuple[Scenario, Model]:
     if isinstance(scenario, ReadyMade):
         raise BadInput("scenario", f"'{scenario.name}' is no flight", "a flight")
     return _scenario(scenario), model
+
+
+def limits(tree: Mapping[str, Any]) -> Limits:
+    """Make the limits of a stored configuration that a flight is judged by, under the same rule. Raises BadInput."""
+    made = _make_stored(tree, "certificate")
+    if not isinstance(made, Limits):
+        raise BadInput("certificate", "is for problems that are no flight", "task, race")
+    return made
 
 
 def _make_stored(tree: Mapping[str, Any], family: str) -> Any:

@@ -42,6 +42,11 @@ def implying(overrides: Sequence[str]) -> bool:
     return _relaxing(overrides) or _by_hand(overrides)
 
 
+def quoted(text: str) -> str:
+    """Return any text as the value of an override, in Hydra's grammar."""
+    return "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"
+
+
 def _relaxing(overrides: Sequence[str]) -> bool:
     """Whether a relaxation is asked for, but no strategy."""
     asked = {key.partition(".")[0] for key in _keys(overrides)}

@@ -62,7 +62,7 @@ def show(record: Mapping[str, Any], paths: Mapping[str, Path], console: Console 
     grid = Table.grid(padding=(0, 2))
     grid.add_column(style="bold", no_wrap=True, min_width=11)
     grid.add_column(overflow="fold")
-    for name, text in _lines(record):
+    for name, text in lines(record):
         grid.add_row(name, text)
     console.print(grid)
     if new_best(record) and "record" in paths:
@@ -78,8 +78,8 @@ def show_line(number: int, record: Mapping[str, Any], combination: str) -> None:
     """Print one run of a sweep on one line, cut to the width of a terminal."""
     console = Console(highlight=False)
     verdict = "certified" if record["certified"] else f"NOT: {record['status']}"
-    flies = _flies(record) or record["objective"] is None
-    found = _number(record["travel_time_s"], ".4f", "s") if flies else f"f = {record['objective']:.6g}"
+    timed = flies(record) or record["objective"] is None
+    found = _number(record["travel_time_s"], ".4f", "s") if timed else f"f = {record['objective']:.6g}"
     line = Text(f"{number:>4}  ") + Text(f"{verdict:<20}", "green" if record["certified"] else "red")
     gap = "" if record["gap_percent"] is None else f"{record['gap_percent']:+.3f} %"
     line += Text(f"  {found:>9}  {gap:>10}  ", "bold green" if new_best(record) else "") + Text(combination)
@@ -102,7 +102,8 @@ def complain(kind: str, text: str, trace: str = "") -> None:
         console.print(Text(f"  {line}"), soft_wrap=True)
 
 
-def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
+def lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
+    """What is said of a record: a name and a text, which may have several lines, for each row."""
     choices = " / ".join(
         str(r[k]) for k in ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess") if r[k]
     )
@@ -111,12 +112,12 @@ def _lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     return [
         (str(r["scenario"]), f"{choices}\n{_size(r)}"),
         ("verdict", _verdict(r)),
-        *(_flight(r) if _flies(r) else _solution(r)),
+        *(_flight(r) if flies(r) else _solution(r)),
         ("effort", f"{r['iterations']} iterations; CPU build {build}, solve {solve}, check {check}"),
     ]
 
 
-def _flies(r: Mapping[str, Any]) -> bool:
+def flies(r: Mapping[str, Any]) -> bool:
     """A flight has a time grid; a ready-made MPCC has none."""
     return r["intervals"] is not None
 
@@ -177,7 +178,7 @@ def _best(r: Mapping[str, Any]) -> str:
 
 
 def _size(r: Mapping[str, Any]) -> str:
-    if not _flies(r):
+    if not flies(r):
         return f"{r['n_variables']} unknowns, {r['n_constraints']} constraints, {r['n_pairs']} pairs"
     asked = "" if r["kappa_init"] is None else f", kappa_init = {r['kappa_init']}"
     return f"N = {r['intervals']}{asked}"

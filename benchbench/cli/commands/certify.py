@@ -7,6 +7,7 @@ from pathlib import Path
 
 from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput
+from benchbench.run.overrides import quoted
 
 EPILOG = """The plan is flown again and judged like our own, and recorded with its picture. The exit code is 0 when it is
 certified, 1 when not, 2 for bad input. The columns of the file stand in docs/foreign_plans.md.
@@ -21,7 +22,7 @@ def run(arguments: Sequence[str]) -> int | list[str]:
     """Return what it is short for; raises BadInput."""
     asked, overrides = _parser().parse_known_args(arguments)
     if asked.plan is None:
-        raise BadInput("plan", "none was given", "the path of a CSV file")
+        raise BadInput("plan", "none was given", "the path of a CSV file, or of a plan.mcap")
     if not Path(asked.plan).is_file():
         raise BadInput(asked.plan, "there is no such file", "a CSV file with a plan")
     given = any(o.startswith("+scenario=") for o in overrides)
@@ -30,7 +31,7 @@ def run(arguments: Sequence[str]) -> int | list[str]:
         raise BadInput("--scenario", problem, "--scenario NAME")
     scenario = [] if given else [f"+scenario={asked.scenario}"]
     form = [f"strategy.interpolation={asked.interpolation}"]
-    file, name = (_quoted(text) for text in (asked.plan, asked.name))
+    file, name = (quoted(text) for text in (asked.plan, asked.name))
     return [
         *scenario,
         *overrides,
@@ -41,14 +42,9 @@ def run(arguments: Sequence[str]) -> int | list[str]:
     ]
 
 
-def _quoted(text: str) -> str:
-    """A value as Hydra's grammar wants any text."""
-    return "'" + text.replace("\\", "\\\\").replace("'", "\\'") + "'"
-
-
 def _parser() -> Parser:
-    parser = Parser("certify", "Judge a plan from a CSV file by our certificate.", EPILOG)
-    parser.add_argument("plan", nargs="?", metavar="PLAN.csv", help="the plan")
+    parser = Parser("certify", "Judge a plan from a file by our certificate.", EPILOG)
+    parser.add_argument("plan", nargs="?", metavar="PLAN.csv", help="the plan: CSV, or a plan.mcap")
     parser.add_argument("--scenario", metavar="NAME", help="the task it is for")
     parser.add_argument(
         "--name", default="foreign", help="who made it, as the solver of the record (default: foreign)"
@@ -57,6 +53,6 @@ def _parser() -> Parser:
         "--interpolation",
         choices=["hold", "linear"],
         default="hold",
-        help="of the inputs: those of a row until the next (default), or from row to row",
+        help="of the inputs: those of a row until the next (default), or from row to row; frames and recordings say it themselves",
     )
     return parser  # fmt: skip

@@ -1,0 +1,66 @@
+"""A plan from a file of any form that we know: a recording, a frame as CSV, or the CSV of people who fly."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from benchbench.errors import BadInput
+from benchbench.ocp.columns import TIME
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Interpolation, Plan
+from benchbench.storage.flight import plan_of
+from benchbench.storage.flight_csv import read_csv
+from benchbench.storage.playback import read_mcap
+
+
+def read_plan(path: Path, model: Model, interpolation: Interpolation = "hold") -> Plan:
+    """Return the plan of a model that a file holds.
+
+    .mcap      a recording of a run
+    other      CSV: with a column `time` the frame of `Plan.to_frame`, else the columns of docs/export.md
+    interpolation: "hold" or "linear", of the inputs of the latter; recordings and frames say it themselves.
+    Raises BadInput for a file that cannot be used, Unavailable where recordings need a package that is not installed.
+    """
+    if path.suffix == ".mcap":
+        return _recorded(path, model)
+    if _is_frame(path):
+        import pandas as pd
+
+        from benchbench.storage.frame import plan_of_frame
+
+        try:
+            frame = pd.read_csv(path, skipinitialspace=True)
+        except (OSError, ValueError) as error:
+            raise BadInput(str(path), f"cannot be read: {error}", "a CSV file with a header") from None
+        return plan_of_frame(frame, model, str(path))
+    return plan_of(read_csv(path), model, interpolation)
+
+
+def of_model(plan: Plan, model: Model) -> Plan:
+    """Return a plan as it is. Raises BadInput where it moves what the model does not have."""
+    for ours, theirs in (
+        (model.configuration.names, plan.coordinate_names), (model.velocity.names, plan.velocity_names),
+        (model.inputs.names, plan.input_names),
+    ):  # fmt: skip
+        if ours != theirs:
+            problem = f"'{model.name}' has {', '.join(ours)}, but the plan {', '.join(theirs)}"
+            raise BadInput("vehicle", problem, "the vehicle of the plan")
+    return plan
+
+
+def _recorded(path: Path, model: Model) -> Plan:
+    try:
+        return of_model(read_mcap(path).plan, model)
+    except (OSError, ValueError) as error:
+        raise BadInput(str(path), f"is no plan that can be read: {error}", "a plan.mcap of a run") from None
+
+
+def _is_frame(path: Path) -> bool:
+    """Whether the header of a CSV file names the time as frames do; what cannot be read is none."""
+    try:
+        with path.open(newline="") as file:
+            header = next(csv.reader(file), [])
+    except (OSError, UnicodeDecodeError, csv.Error):
+        return False
+    return TIME in [name.strip() for name in header]
