@@ -20,8 +20,8 @@ from benchbench.report.html.plans.view import view
 from benchbench.report.limits_panel import contact_panels, limit_panels
 from benchbench.report.race_panels import race_panels
 from benchbench.report.views import scene
-from benchbench.run import config
 from benchbench.run.failure import reason
+from benchbench.run.stored import scene_parts
 from benchbench.storage.collect import collect
 from benchbench.storage.configuration import configuration
 from benchbench.storage.files import PLAN
@@ -90,7 +90,7 @@ def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, A
     recording = read_mcap(Path(folder or "", PLAN))
     if tree is None:
         raise ValueError("its configuration is missing")
-    scenario, model = config.scene_parts(tree)
+    scenario, model = scene_parts(tree)
     plan, flight = recording.plan, recording.flight
     if isinstance(scenario, Race):
         panels = race_panels(plan, scenario, model, flight)

@@ -41,8 +41,6 @@ KINDS: dict[str, type | tuple[type, ...]] = {
     "strategy": Strategy, "guess": Guess, "certificate": ProblemLimits,
 }  # fmt: skip
 FAMILIES = tuple(family for family in KINDS if family != "scenario")
-SCENE = ("models", "motions", "contacts", "collections", "scenarios")
-"""Families of plugins that scenario and vehicle are made of."""
 FLIGHT = ("vehicle", "dynamics", "guess")
 """Families that play no part in a scenario that comes ready-made as an MPCC."""
 NUMBERS = {"seed": (int, 0), "time_limit": (float, 1e-3), "iteration_limit": (int, 1)}
@@ -137,7 +135,7 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
     except EXPECTED as error:
         raise explained(error) from None
     _check_run(cfg, chosen)
-    parts = {family: _make(cfg, family) for family in _families(cfg)}
+    parts = {family: make(cfg, family) for family in _families(cfg)}
     names = {family: str(chosen.get(family) or "custom") for family in parts if family != "scenario"}
     names["strategy"] = _nested(names["strategy"], chosen)
     how = {
@@ -148,31 +146,6 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
         ready = parts["scenario"]
         return ReadyCase(scenario=ready, names={"scenario": ready.name, **names}, **how)
     return replace(_flight(parts, names, how), task_hash=task_hash(cfg))
-
-
-def scene_parts(tree: Mapping[str, Any]) -> tuple[Scenario, Model]:
-    """Make the scenario and the vehicle of a stored configuration: what it takes to show a plan.
-
-    Only installed plugins are made, see `benchbench.run.trust`. The other choices may be those of an earlier version, or of
-    a plugin that is not here. Raises BadInput.
-    """
-    scenario, model = (_make_stored(tree, family) for family in ("scenario", "vehicle"))
-    if isinstance(scenario, ReadyMade):
-        raise BadInput("scenario", f"'{scenario.name}' is no flight", "a flight")
-    return _scenario(scenario), model
-
-
-def limits(tree: Mapping[str, Any]) -> Limits:
-    """Make the limits of a stored configuration that a flight is judged by, under the same rule. Raises BadInput."""
-    made = _make_stored(tree, "certificate")
-    if not isinstance(made, Limits):
-        raise BadInput("certificate", "is for problems that are no flight", "task, race")
-    return made
-
-
-def _make_stored(tree: Mapping[str, Any], family: str) -> Any:
-    trust.check(tree.get(family), family, SCENE)
-    return _make(OmegaConf.create({family: tree.get(family)}), family)
 
 
 def _nested(strategy: str, chosen: Mapping[str, Any]) -> str:
@@ -199,14 +172,15 @@ def _flight(parts: Mapping[str, Any], names: Mapping[str, str], how: Mapping[str
         raise BadInput(
             "certificate", f"'{names['certificate']}' is for problems that are no flight", "task, race"
         )
-    scenario = _scenario(parts["scenario"])
+    scenario = scenario_of(parts["scenario"])
     return Case(
         scenario=scenario, model=parts["vehicle"], dynamics=parts["dynamics"], guess=parts["guess"],
         names={"scenario": scenario.name, **names}, **how,
     )  # fmt: skip
 
 
-def _scenario(values: Mapping[str, Any]) -> Scenario:
+def scenario_of(values: Mapping[str, Any]) -> Scenario:
+    """Make a flight's scenario of its fields. Raises BadInput."""
     kind = Race if "track" in values else Scenario
     try:
         scenario = kind(**values)
@@ -255,7 +229,8 @@ def _check_margins(scenario: Mapping[str, Any]) -> None:
             raise BadInput(f"scenario.contact_margin.{name}", "there is no such contact", ", ".join(contacts))
 
 
-def _make(cfg: DictConfig, family: str) -> Any:
+def make(cfg: DictConfig, family: str) -> Any:
+    """Make the choice of one family. Raises BadInput."""
     try:
         made = hydra.utils.instantiate(cfg[family], _convert_="all")
     except InstantiationException as error:

@@ -7,8 +7,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, final
 
-import yaml  # type: ignore[import-untyped]
-
 from benchbench import pipeline
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
@@ -18,7 +16,7 @@ from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
-from benchbench.run import config
+from benchbench.run.stored import limits, scene_parts
 from benchbench.run.summary import flies
 from benchbench.run.view import Source
 from benchbench.storage.configuration import PLACES, configuration
@@ -76,12 +74,12 @@ class Stored(Source):
         """Judge the plan again."""
         if (plan := self.plan()) is None:
             raise BadInput("certificate", "of an MPCC is not stored, only its numbers", "run.record")
-        scenario, model = config.scene_parts(self._configuration)
-        return certify(plan, scenario, model, config.limits(self._configuration))
+        scenario, model = scene_parts(self._configuration)
+        return certify(plan, scenario, model, limits(self._configuration))
 
     def scene(self) -> tuple[Scenario, Model, Replay | None]:
         """Read the replay, make the rest from the configuration."""
-        return *config.scene_parts(self._configuration), self._recording.flight
+        return *scene_parts(self._configuration), self._recording.flight
 
     def save(self, folder: Path, table: Path) -> None:
         """Copy what is there."""
@@ -94,9 +92,9 @@ class Stored(Source):
 
     @property
     def text(self) -> str:
-        """The configuration as YAML, "" where there is none."""
-        tree = configuration(self.folder)
-        return "" if tree is None else yaml.safe_dump(tree, sort_keys=False)
+        """The configuration as it was written, "" where there is none that can be used."""
+        files = [self.folder / place for place in PLACES if (self.folder / place).is_file()]
+        return files[0].read_text() if files and configuration(self.folder) else ""
 
     @cached_property
     def _recording(self) -> Recording:
