@@ -21,11 +21,24 @@ from .nlp.solver import (
     Solver,
 )
 from .ocp.contact import Condition, Contact, Target
-from .ocp.model import Coordinates, Model, Plant
+from .ocp.mechanics import acceleration
+from .ocp.model import (
+    Coordinates,
+    ExplicitModel,
+    LagrangianModel,
+    ManifoldModel,
+    Model,
+    OutputModel,
+    Plant,
+    RacingModel,
+    RampModel,
+    space,
+)
 from .ocp.motion import Motion
 from .ocp.node import Node
 from .ocp.plan import Plan
 from .ocp.scenario import Scenario
+from .ocp.space import Space
 from .planning.case import Case, Guess, MpccStrategy, ReadyCase, Strategy
 from .planning.peer import Peer
 from .planning.result import Result, Solution
@@ -38,10 +51,11 @@ __version__: str
 
 __all__ = [
     "TOLERANCE", "Accuracy", "Array", "BadInput", "BenchBenchError", "Block", "Case", "Certificate", "Check",
-    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "Grid", "Guess", "IncompatibleCase", "Ledger",
-    "Method", "Model", "Motion", "Mpcc", "MpccStrategy", "NoPlan", "Node", "Outcome", "Pair", "PairKind",
-    "Parametric", "Peer", "Phase", "Plan", "Plant", "Point", "Prepared", "Progress", "ReadyCase", "ReadyMade",
+    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "ExplicitModel", "Grid", "Guess",
+    "IncompatibleCase", "LagrangianModel", "Ledger", "ManifoldModel", "Method", "Model", "Motion", "Mpcc",
+    "MpccStrategy", "NoPlan", "Node", "Outcome", "OutputModel", "Pair", "PairKind", "Parametric", "Peer", "Phase",
+    "Plan", "Plant", "Point", "Prepared", "Progress", "RacingModel", "RampModel", "ReadyCase", "ReadyMade",
     "Relaxation", "Relaxed", "Result", "RunView", "Scenario", "Schedule", "Setup", "Shared", "Slot", "Solution",
-    "Solver", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown", "Variable", "certify", "evaluate",
-    "load", "plan", "rows", "runs", "whole",
+    "Solver", "Space", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown", "Variable", "acceleration",
+    "certify", "evaluate", "load", "plan", "rows", "runs", "space", "whole",
 ]  # fmt: skip

@@ -14,7 +14,8 @@ import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.mechanics import acceleration
+from benchbench.ocp.model import ExplicitModel, Model, Plant
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import Interpolation, Plan
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator
@@ -34,6 +35,32 @@ SHIFT = np.array([0.12, 0.01, 0.0, 0.0, 0.0, 0.03, 0.0])
 
 def table_one(**changes: object) -> AerialManipulator:
     return AerialManipulator("table_one", **(TABLE_I | changes))
+
+
+class Bare(ExplicitModel):
+    """Another model behind its accelerations only."""
+
+    name = "bare"
+    configuration = velocity = inputs = None  # type: ignore[assignment]
+
+    def __init__(self, whole: Model) -> None:
+        self.whole = whole
+        self.configuration, self.velocity, self.inputs = whole.configuration, whole.velocity, whole.inputs
+
+    def acceleration(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
+        return acceleration(self.whole, q, v, u)
+
+    def tool(self, q: ca.SX) -> ca.SX:
+        return self.whole.tool(q)
+
+    def nose(self, q: ca.SX) -> ca.SX:
+        return self.whole.nose(q)
+
+    def hover(self) -> Array:
+        return self.whole.hover()
+
+    def plant(self) -> Plant:
+        return self.whole.plant()
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from benchbench.mpcc.problem import Mpcc, PairKind
 from benchbench.nlp.relaxation import Relaxation, Relaxed, Unknown
 from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
 from benchbench.ocp.contact import Condition, Target
-from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.model import LagrangianModel, Model, Plant
 from benchbench.ocp.node import Node
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
@@ -167,7 +167,7 @@ def test_torques_on_euler_angles() -> None:
 
 
 @dataclass(frozen=True)
-class OddPendulum(Model):
+class OddPendulum(LagrangianModel):
     """A pendulum from another one, with parts replaced."""
 
     whole: Pendulum = field(default_factory=Pendulum)

@@ -3,45 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
-import casadi as ca
 import pytest
+from flights import Bare
 
 from benchbench import pipeline
 from benchbench.errors import IncompatibleCase
-from benchbench.ocp.model import Model
 from benchbench.planning.case import Case
 from benchbench.run import config
-
-
-class Bare(Model):
-    """Another model behind its accelerations only."""
-
-    name = "bare"
-    configuration = velocity = inputs = None  # type: ignore[assignment]
-
-    def __init__(self, whole: Model) -> None:
-        self.whole = whole
-        self.configuration, self.velocity, self.inputs = whole.configuration, whole.velocity, whole.inputs
-
-    def acceleration(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
-        return self.whole.acceleration(q, v, u)
-
-    def force(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
-        raise AssertionError("a force belongs to a Lagrangian")
-
-    def tool(self, q: ca.SX) -> ca.SX:
-        return self.whole.tool(q)
-
-    def nose(self, q: ca.SX) -> ca.SX:
-        return self.whole.nose(q)
-
-    def hover(self) -> Any:
-        return self.whole.hover()
-
-    def plant(self) -> Any:
-        return self.whole.plant()
 
 
 def case(dynamics: str) -> tuple[Case, Case]:

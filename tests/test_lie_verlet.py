@@ -14,12 +14,14 @@ from benchbench import pipeline
 from benchbench.arrays import Array
 from benchbench.conformance.checks.initial_value import fly, integrate, one_phase, told, transcribe
 from benchbench.errors import IncompatibleCase
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import ExplicitModel, LagrangianModel, ManifoldModel, Model
 from benchbench.ocp.plan import Plan
 from benchbench.run import config
 from benchbench_plugins.dynamics.lie_verlet import LieVerlet
 from benchbench_plugins.dynamics.verlet import Verlet
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator
+from benchbench_plugins.models.attitude import UnitQuaternion
+from benchbench_plugins.models.attitude_space import AttitudeSpace
 from benchbench_plugins.models.quadrotor import Quadrotor
 
 NUMBERS = {
@@ -176,11 +178,11 @@ def test_the_difference_of_quaternions_is_the_rotation_vector(angle: float) -> N
     start, turn = Rotation.from_rotvec([0.5, -1.0, 0.3]), angle * np.array([2, -1, 2]) / 3
     pair = (start, start * Rotation.from_rotvec(turn))
     places = [np.concatenate([np.zeros(3), r.as_quat(scalar_first=True)]) for r in pair]
-    found = np.asarray(ca.DM(RACER.difference(*(ca.SX(place) for place in places)))).ravel()
+    found = np.asarray(ca.DM(RACER.space.difference(*(ca.SX(place) for place in places)))).ravel()
     np.testing.assert_allclose(found[3:], turn, atol=2e-6)
 
 
-class Damped(Model):
+class Damped(ExplicitModel, LagrangianModel, ManifoldModel):
     """The racing quadrotor with a drag on its body rates, in symbols and in its plant."""
 
     drag = 0.05
@@ -214,7 +216,7 @@ class Damped(Model):
         plant.acceleration = acceleration  # type: ignore[method-assign]
         return plant
 
-    configuration = velocity = inputs = None  # type: ignore[assignment]
+    configuration = velocity = inputs = space = lagrangian = None  # type: ignore[assignment]
     tool = nose = hover = None  # type: ignore[assignment]
 
 
@@ -234,18 +236,22 @@ def test_forced_and_damped_flights_converge() -> None:
 def test_wrong_reaction_to_rotation_is_noticed() -> None:
     """Broken on purpose: derivatives of the difference as if rotations added up. First order, not second."""
 
-    class Flat(Model):
-        configuration = velocity = inputs = None  # type: ignore[assignment]
+    def difference(a: ca.SX, b: ca.SX) -> ca.SX:
+        return 2 * (a[0] * b[1:] - b[0] * a[1:] + ca.cross(a[1:], b[1:]))  # world frame, not body
+
+    class Flat(LagrangianModel, ManifoldModel):
+        configuration = velocity = inputs = lagrangian = None  # type: ignore[assignment]
         tool = nose = hover = plant = force = None  # type: ignore[assignment]
 
         def __getattribute__(self, name: str) -> object:
-            own = name in ("difference",) or name.startswith("__")
+            own = name == "space" or name.startswith("__")
             return super().__getattribute__(name) if own else getattr(RACER, name)
 
-        def difference(self, q0: ca.SX, q1: ca.SX) -> ca.SX:
-            a = q0[3:]
-            turn = 2 * (a[0] * q1[4:] - q1[3] * a[1:] + ca.cross(a[1:], q1[4:]))  # world frame, not body
-            return ca.vertcat(q1[:3] - q0[:3], turn)
+        @property
+        def space(self) -> AttitudeSpace:
+            attitude = UnitQuaternion()
+            attitude.difference = difference  # type: ignore[method-assign]
+            return AttitudeSpace(attitude, joints=0, heading_free=True)
 
     errors = []
     for intervals in (10, 20):

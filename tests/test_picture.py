@@ -21,7 +21,7 @@ from PIL import Image
 from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay, replay
 from benchbench.errors import BadInput
-from benchbench.ocp.model import Coordinates, Model, Plant, box
+from benchbench.ocp.model import Coordinates, LagrangianModel, Model, Plant, box
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
@@ -307,7 +307,7 @@ def test_real_flight_goes_through_the_same_picture(tmp_path: Path) -> None:
 
 
 @final
-class Slider(Model):
+class Slider(LagrangianModel):
     """A mass on a rail: one coordinate, one input, no arm, no height."""
 
     name = "slider"

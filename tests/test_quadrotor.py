@@ -15,9 +15,11 @@ from scipy.spatial.transform import Rotation
 
 from benchbench import pipeline
 from benchbench.arrays import Array
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import ExplicitModel, ManifoldModel, OutputModel, RacingModel, RampModel
 from benchbench.planning.case import Case
 from benchbench.run import config
+from benchbench_plugins.models.attitude import UnitQuaternion
+from benchbench_plugins.models.attitude_space import AttitudeSpace
 from benchbench_plugins.models.quadrotor import Quadrotor
 from benchbench_plugins.models.quadrotor_plant import QuadrotorPlant
 
@@ -92,32 +94,30 @@ def test_planned_quaternions_have_length_one(dynamics: str) -> None:
     assert 2.7 < plan.travel_time < 2.9
 
 
-class Unnormalised(Model):
+class Unnormalised(ExplicitModel, ManifoldModel, OutputModel, RacingModel, RampModel):
     """The same vehicle as public planners write it: the thrust grows with the quaternion, which nothing holds."""
 
-    name = "unnormalised"
-    configuration = velocity = inputs = None  # type: ignore[assignment]
+    configuration = velocity = inputs = outputs = output = hover = plant = None  # type: ignore[assignment]
+    tool = nose = specific_thrust = follow = None  # type: ignore[assignment]
+    velocity_bounds = input_bounds = output_bounds = None  # type: ignore[assignment]
 
     def __init__(self, whole: Quadrotor) -> None:
         self.whole = whole
-        self.configuration, self.velocity, self.inputs = whole.configuration, whole.velocity, whole.inputs
 
     def __getattribute__(self, name: str) -> Any:
-        own = ("whole", "acceleration", "normalised", "name", "configuration", "velocity", "inputs")
-        if name in own or name.startswith("__") or name == "has_lagrangian":
-            return super().__getattribute__(name)
-        return getattr(self.whole, name)
+        own = name in ("whole", "acceleration", "space") or name.startswith("__")
+        return super().__getattribute__(name) if own else getattr(self.whole, name)
 
     def acceleration(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX:
         a = self.whole.acceleration(q, v, u)
         fall = ca.DM([0, 0, -self.whole.gravity])
         return ca.vertcat((a[:3] - fall) * ca.sumsqr(q[3:]) + fall, a[3:])
 
-    def force(self, q: ca.SX, v: ca.SX, u: ca.SX) -> ca.SX: ...
-    def tool(self, q: ca.SX) -> ca.SX: ...
-    def nose(self, q: ca.SX) -> ca.SX: ...
-    def hover(self) -> Array: ...
-    def plant(self) -> Any: ...
+    @property
+    def space(self) -> AttitudeSpace:
+        attitude = UnitQuaternion()
+        attitude.normalised = lambda a: a  # type: ignore[method-assign]
+        return AttitudeSpace(attitude, joints=0, heading_free=True)
 
 
 COURSE = (

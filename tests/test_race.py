@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from flights import Bare
 from PIL import Image
 from scipy.integrate import solve_ivp
 
@@ -20,7 +21,6 @@ from benchbench.certificate.certify import certify
 from benchbench.errors import BadInput
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.gates import passes
-from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate
@@ -28,7 +28,6 @@ from benchbench.planning.race_start import point_mass_plan
 from benchbench.run import config
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap
-from benchbench_plugins.models.quadrotor import Quadrotor as RaceQuadrotor
 
 
 @cache
@@ -115,11 +114,10 @@ def test_smaller_gates_and_own_gates_take_longer(tmp_path: Path) -> None:
     assert same.record["mpcc_hash"] == good().record["mpcc_hash"]
 
 
-def test_who_cannot_race_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(RaceQuadrotor, "specific_thrust", Model.specific_thrust)
+def test_who_cannot_race_is_told() -> None:
+    case = config.compose("+scenario=race")
     with pytest.raises(BadInput, match="'race_quadrotor' cannot race"):
-        run()
-    monkeypatch.undo()
+        pipeline.run(replace(case, model=Bare(case.model)))
     with pytest.raises(BadInput, match="gate 1 is outside the workspace"):
         run("scenario.track=[[0,0,-1]]", "scenario.gates=1")
     with pytest.raises(BadInput, match="too short for this race"):

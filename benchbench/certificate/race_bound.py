@@ -20,7 +20,7 @@ from functools import cache
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.model import Model, Plant, racing
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate
 
@@ -55,7 +55,7 @@ def _acceleration(race: Race, model: Model, plant: Plant) -> tuple[float, Array]
     still = np.zeros(len(model.velocity.names))
     gravity = plant.acceleration(model.origin(), still, 0 * model.hover())[:3]
     metres = np.append(race.flown(model, race.intervals + 1), FAR)
-    return float(np.max(model.specific_thrust(metres))), np.asarray(gravity)
+    return float(np.max(racing(model).specific_thrust(metres))), np.asarray(gravity)
 
 
 def _through(race: Race, goals: Sequence[Gate], thrust: float, gravity: Array) -> float:

@@ -12,6 +12,7 @@ from benchbench.formulation.gates import Place, at_nodes, by_progress, passed_at
 from benchbench.formulation.handover import Problem, Windows
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.gates import passes
+from benchbench.ocp.model import racing
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.transcription.grid import Grid, Phase, Trajectory
@@ -31,7 +32,7 @@ def straight_line(race: Race, case: Formulation) -> Plan:
     place = np.stack([np.interp(time, passed, column) for column in corners.T], axis=-1)
     c, w, u = model.configuration, model.velocity, model.inputs
     lift = np.tile([0.0, 0.0, float(np.sum(model.hover()))], (race.intervals, 1))
-    q, v, _ = model.follow(time, place, np.gradient(place, time, axis=0), lift)
+    q, v, _ = racing(model).follow(time, place, np.gradient(place, time, axis=0), lift)
     progress = np.zeros(race.intervals + 1)
     progress[[int(np.argmin(np.abs(time - t))) for t in passed[1:]]] = 1.0
     return Plan(

@@ -14,7 +14,7 @@ from pydantic import Field, InstanceOf, model_validator
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import Model, space
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.scenario import Ends, Finite, NonNegative, Positive, Scenario
 from benchbench.ocp.track import TRACKS, Gate, Track, is_point, read
@@ -175,7 +175,7 @@ class Race(Scenario):
             bound[0] for bound in self.planned_rates_at(model, np.array([self.path_length(model)]))
         )
         if self.end_velocity == "rest":
-            fixed = model.fixed_at_rest()
+            fixed = space(model).fixed_at_rest()
             low, high = (np.where(fixed, end, bound) for bound in (box.lower, box.upper))
             return Ends(low, high, np.zeros_like(low_v), np.zeros_like(high_v))
         if not isinstance(self.end_velocity, str):

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, InstanceOf, m
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.contact import Contact
-from benchbench.ocp.model import Coordinates, Model
+from benchbench.ocp.model import Coordinates, Model, output_bounds, output_box, space, velocity_bounds
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.stop import Itinerary, Order, Stop, Visit
 
@@ -154,7 +154,7 @@ class Scenario(BaseModel):
     def ends(self, model: Model) -> Ends:
         """Bounds of the last node: the end point, at rest."""
         end, rest, box = self.end_point(model), np.zeros(len(model.velocity.names)), self.limits(model)
-        low, high = (np.where(model.fixed_at_rest(), end, bound) for bound in (box.lower, box.upper))
+        low, high = (np.where(space(model).fixed_at_rest(), end, bound) for bound in (box.lower, box.upper))
         return Ends(low, high, rest, rest)
 
     def flown(self, model: Model, nodes: int) -> Array:
@@ -187,18 +187,18 @@ class Scenario(BaseModel):
 
     def planned_rates_at(self, model: Model, flown: Array) -> tuple[Array, Array]:
         """Return the same where `flown` (n,) m of the nominal path lie behind: lower and upper, each (n, n_v)."""
-        lower, upper = model.velocity_limits(flown)
+        lower, upper = velocity_bounds(model, flown)
         share = self._rate_shares(model)
         return lower * share, upper * share
 
     def planned_outputs_at(self, model: Model, flown: Array) -> tuple[Array, Array]:
         """Return limits of the model's outputs in the same way, each (n, n_y)."""
-        lower, upper = model.output_limits(flown)
-        share = self._shares(model.outputs, model.velocity)
+        lower, upper = output_bounds(model, flown)
+        share = self._shares(output_box(model), model.velocity)
         return lower * share, upper * share
 
     def _rate_shares(self, model: Model) -> Array:
-        return self._shares(model.velocity, model.outputs)
+        return self._shares(model.velocity, output_box(model))
 
     def _shares(self, of: Coordinates, other: Coordinates) -> Array:
         share = np.ones(len(of.names))
@@ -239,8 +239,8 @@ def coordinate(name: str, of: Coordinates, field: str) -> int:
 
 
 def point(values: dict[str, float], model: Model, field: str) -> Array:
-    """Return a configuration (n_q,) from values by name; the rest is as in `Model.origin`."""
-    q = np.asarray(model.origin(), float)
+    """Return a configuration (n_q,) from values by name; the rest is as in `Space.origin`."""
+    q = np.asarray(space(model).origin(), float)
     for name, value in values.items():
         q[coordinate(name, model.configuration, field)] = value
     return q

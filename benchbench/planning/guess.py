@@ -10,6 +10,7 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.model import space
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Stop, spread
@@ -80,5 +81,5 @@ def over(case: Case, stop: Stop, time: float) -> Array:
     hang = model.plant().tool(start, np.zeros(len(model.velocity.names)))[0] - start[xyz]
     above[xyz] = target - hang + [0.0, 0.0, ABOVE]
     if np.hypot(*way[:2]) > 0.0:
-        above = model.headed(above, float(np.arctan2(way[1], way[0])))
+        above = space(model).headed(above, float(np.arctan2(way[1], way[0])))
     return above

@@ -14,6 +14,7 @@ from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Variable, rows
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.model import racing, space
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.transcription.grid import Grid
@@ -37,7 +38,7 @@ def fly(case: Case, ledger: Ledger, grid: Grid, corners: Array, conditions: Mpcc
     values = homotopy(mpcc, case, ledger, "guess: point mass").values
     time = grid.time_weights @ values["T"].ravel()
     model, c = case.model, case.model.configuration
-    q, v, u = model.follow(time, values["p"], values["v"], values["f"])
+    q, v, u = racing(model).follow(time, values["p"], values["v"], values["f"])
     return Plan(
         time, q, v, u, progress, "hold", c.names, c.units, model.inputs.names, model.inputs.units,
         model.velocity.names, model.velocity.units, case.scenario.itinerary.names,
@@ -47,9 +48,11 @@ def fly(case: Case, ledger: Ledger, grid: Grid, corners: Array, conditions: Mpcc
 def _problem(case: Case, grid: Grid, corners: Array) -> Mpcc:
     scenario, model, nodes = case.scenario, case.model, grid.intervals + 1
     flown = scenario.flown(model, nodes)
-    strongest = model.specific_thrust(flown)[:-1]
+    strongest = racing(model).specific_thrust(flown)[:-1]
     lift = -float(
-        model.plant().acceleration(model.origin(), np.zeros(len(model.velocity.names)), 0 * model.hover())[2]
+        model.plant().acceleration(
+            space(model).origin(), np.zeros(len(model.velocity.names)), 0 * model.hover()
+        )[2]
     )
     last, box = scenario.ends(model), scenario.limits(model)
     share = np.interp(np.arange(nodes), *_phase_ends(grid))

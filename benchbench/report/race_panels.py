@@ -8,7 +8,7 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import Model, input_bounds, output_bounds, output_box, velocity_bounds
 from benchbench.ocp.plan import Plan, bezier
 from benchbench.ocp.race import Race
 from benchbench.report.panel import Band, Curve, Panel
@@ -48,7 +48,7 @@ def _inputs(plan: Plan, race: Race, model: Model) -> Iterator[Panel]:
     share = np.linspace(0.0, 1.0, 2 if plan.interpolation != "bezier" else 9)
     time = (plan.time[:-1, None] + np.diff(plan.time)[:, None] * share).ravel()
     values = bezier(plan.input_pieces[:, None], share).reshape(len(time), -1)
-    limits = model.input_limits(np.repeat(race.flown(model, len(plan.time))[:-1], len(share)))
+    limits = input_bounds(model, np.repeat(race.flown(model, len(plan.time))[:-1], len(share)))
     for unit in dict.fromkeys(plan.input_units):
         names = {
             i: n for i, (n, u) in enumerate(zip(plan.input_names, plan.input_units, strict=True)) if u == unit
@@ -59,14 +59,14 @@ def _inputs(plan: Plan, race: Race, model: Model) -> Iterator[Panel]:
 
 def _rates(plan: Plan, race: Race, model: Model, flown: Plan | Replay) -> Iterator[Panel]:
     """Angular rates of the state and those that are outputs of the model, such as body rates beside Euler angles."""
-    names = (*model.velocity.names, *model.outputs.names)
-    units = (*model.velocity.units, *model.outputs.units)
+    names = (*model.velocity.names, *output_box(model).names)
+    units = (*model.velocity.units, *output_box(model).units)
     planned, dense = (
         (one.time, np.hstack([one.velocity, model.plant().output(one.configuration, one.velocity)]))
         for one in (plan, flown)
     )
     metres = np.interp(flown.time, plan.time, race.flown(model, len(plan.time)))
-    pairs = zip(model.velocity_limits(metres), model.output_limits(metres), strict=True)
+    pairs = zip(velocity_bounds(model, metres), output_bounds(model, metres), strict=True)
     limits = tuple(np.hstack(pair) for pair in pairs)
     largest = np.max(limits[1], axis=0)
     turning = [i for i, unit in enumerate(units) if unit == "rad/s" and np.isfinite(largest[i])]

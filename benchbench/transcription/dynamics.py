@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from typing import ClassVar
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import LagrangianModel, Model, space
 from benchbench.ocp.scenario import Scenario
 from benchbench.transcription.grid import Grid, Trajectory
 
@@ -22,8 +22,8 @@ class Dynamics(ABC):
 
     def accepts(self, model: Model) -> bool:
         """Whether it can transcribe this model."""
-        lacks = self.needs_lagrangian and not model.has_lagrangian
-        return not (lacks or (self.needs_vector_space and model.has_quasi_velocities))
+        lacks = self.needs_lagrangian and not isinstance(model, LagrangianModel)
+        return not (lacks or (self.needs_vector_space and not space(model).flat))
 
     @property
     @abstractmethod

@@ -14,7 +14,7 @@ import numpy as np
 
 from benchbench.arrays import Array, Index
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import Model, input_bounds, output, output_box
 from benchbench.ocp.node import Node
 from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.ocp.scenario import Scenario
@@ -115,7 +115,7 @@ def nodal_variables(
         low_v, high_v = np.full_like(low_v, -np.inf), np.full_like(high_v, np.inf)
     low_q, high_q = (np.tile(b, (nodes, 1)) for b in (q.lower, q.upper))
     u_ref = model.hover()
-    low_u, high_u = model.input_limits(flown[input_intervals(grid, input_rows)])
+    low_u, high_u = input_bounds(model, flown[input_intervals(grid, input_rows)])
     if scenario.hover_ends:
         low_u[[0, -1]] = high_u[[0, -1]] = u_ref
     line = (1 - share) * start + share * end
@@ -182,14 +182,14 @@ def total_time(scenario: Scenario, grid: Grid) -> Mpcc:
 
 def output_limits(scenario: Scenario, model: Model, grid: Grid) -> Mpcc:
     """Limit the model's outputs y(q_k, v_k) at every node but the first, which is given."""
-    if not model.outputs.names:
+    if not output_box(model).names:
         return Mpcc()
     low, high = scenario.planned_outputs_at(model, scenario.flown(model, grid.intervals + 1))
     finite = np.flatnonzero(np.isfinite(low).any(axis=0) | np.isfinite(high).any(axis=0)).tolist()
     q, v = ca.SX.sym("q", len(model.configuration.names)), ca.SX.sym("v", len(model.velocity.names))
     z, nodes = ca.vertcat(q, v), range(1, grid.intervals + 1)
     function = ca.Function(
-        "outputs", [z, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [model.output(q, v)[finite]]
+        "outputs", [z, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [output(model, q, v)[finite]]
     )
     slots = (rows("q", q.shape[0], nodes), rows("v", v.shape[0], nodes))
     none, bottom, top = np.zeros((len(nodes), 0)), low[1:, finite], high[1:, finite]

@@ -25,7 +25,8 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
-from benchbench.ocp.model import Model
+from benchbench.ocp import mechanics
+from benchbench.ocp.model import ExplicitModel, Model, space
 from benchbench.ocp.node import Node
 from benchbench.ocp.plan import Interpolation, Plan, bernstein
 from benchbench.ocp.scenario import Scenario
@@ -190,11 +191,12 @@ def _positions(name: str, stages: Stages, model: Model, end: Slot, weights: Arra
     n, k, m, count = stages.n["q"], stages.n["v"], len(used), stages.grid.intervals
     first, last = ca.SX.sym("first", n), ca.SX.sym("last", n)
     place, speed = ca.SX.sym("Q", n, m), ca.SX.sym("V", k, m)
-    slopes = [model.kinematics(place[:, j], speed[:, j]) for j in range(m)]
+    lives = space(model)
+    slopes = [lives.kinematics(place[:, j], speed[:, j]) for j in range(m)]
     plain = n == k and all(ca.is_equal(slope, speed[:, j]) for j, slope in enumerate(slopes))
     duration, p = ca.SX.sym("T"), ca.SX.sym("p", 1 + m)
     ahead = first + p[0] * duration * (ca.horzcat(*slopes) @ p[1:])
-    gap = last - (model.normalised(ahead) if at_node else ahead)
+    gap = last - (lives.normalised(ahead) if at_node else ahead)
     read = speed if plain else ca.vertcat(place, speed)
     z = ca.vertcat(first, last, ca.vec(read), duration)
     function = ca.Function(f"quadrature_{m}", [z, p, ca.SX.sym("sigma")], [gap])
@@ -218,12 +220,13 @@ def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Itera
     duration, p = ca.SX.sym("T"), ca.SX.sym("p", 2)
     h, c = p[0] * duration, p[1]
     here = sum((weight * point for weight, point in zip(bernstein(len(u), c), u, strict=True)), ca.SX(0))
-    if model.has_acceleration:
+    if isinstance(model, ExplicitModel):
         residual = w - h * model.acceleration(q, v, here)
     else:
-        momentum = ca.gradient(model.lagrangian(q, v), v)
-        drift = ca.jtimes(momentum, q, model.kinematics(q, v))
-        residual = ca.jtimes(momentum, v, w) + h * (drift - model.momentum_rate(q, v, here))
+        lagrangian = mechanics.lagrangian_model(model)
+        momentum, drift = mechanics.momentum_drift(lagrangian, q, v)
+        rate = mechanics.momentum_rate(lagrangian, q, v, here)
+        residual = ca.jtimes(momentum, v, w) + h * (drift - rate)
     function = ca.Function(
         "euler_lagrange", [ca.vertcat(q, v, w, *u, duration), p, ca.SX.sym("sigma")], [residual]
     )

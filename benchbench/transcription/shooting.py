@@ -8,7 +8,8 @@ import casadi as ca
 
 from benchbench.arrays import Array
 from benchbench.mpcc.problem import Mpcc
-from benchbench.ocp.model import Model
+from benchbench.ocp.mechanics import acceleration
+from benchbench.ocp.model import Model, space
 from benchbench.ocp.plan import bernstein
 from benchbench.ocp.scenario import Scenario
 from benchbench.transcription.grid import Grid, Trajectory
@@ -37,7 +38,7 @@ def transcribe(
     def rows(q0: ca.SX, v0: ca.SX, q1: ca.SX, v1: ca.SX, *rest: ca.SX) -> ca.SX:
         *u, h = rest
         q, v = step(tableau, model, q0, v0, u, h)
-        return ca.vertcat(q1 - model.normalised(q), v1 - v)
+        return ca.vertcat(q1 - space(model).normalised(q), v1 - v)
 
     block = each_interval("shooting", grid, model, 1 if held else 2, rows, "m, rad, m/s, rad/s")
     variables = nodal_variables(scenario, model, grid, count)
@@ -55,8 +56,8 @@ def step(
     for row, c in zip(tableau.a, tableau.c, strict=True):
         u = sum((b * point for b, point in zip(bernstein(len(points), c), points, strict=True)), ca.SX(0))
         place, speed = _moved(q, slopes_q, row, h), _moved(v, slopes_v, row, h)
-        slopes_q.append(model.kinematics(place, speed))
-        slopes_v.append(model.acceleration(place, speed, u))
+        slopes_q.append(space(model).kinematics(place, speed))
+        slopes_v.append(acceleration(model, place, speed, u))
     return _moved(q, slopes_q, tableau.b, h), _moved(v, slopes_v, tableau.b, h)
 
 

@@ -22,7 +22,8 @@ import casadi as ca
 import numpy as np
 
 from benchbench.mpcc.problem import Block, Mpcc
-from benchbench.ocp.model import Coordinates, Model
+from benchbench.ocp import mechanics
+from benchbench.ocp.model import Coordinates, LagrangianModel, Model, space
 from benchbench.ocp.scenario import Scenario
 from benchbench.transcription.grid import Grid, Trajectory
 from benchbench.transcription.nodal import (
@@ -61,13 +62,13 @@ def transcribe(
     name: str, rule: Rule, inputs: Inputs, velocity: Velocities, scenario: Scenario, model: Model, grid: Grid
 ) -> tuple[Mpcc, Trajectory]:
     """Return variables, Legendre rows, cost (and mean-velocity limits) of a scenario."""
-    held = inputs == "interval"
+    held, lagrangian = inputs == "interval", mechanics.lagrangian_model(model)
     input_rows = grid.intervals + (not held)
     variables = nodal_variables(scenario, model, grid, input_rows, velocity == "nodal")
-    row = _legendre_row(model, rule, inputs)
+    row = _legendre_row(lagrangian, rule, inputs)
     leaving = each_interval(name, grid, model, 1 if held else 2, row, "kg m/s, kg m^2/s")
     legendre = (replace(leaving, name=f"{name}_leaving"), _backwards(leaving, f"{name}_arriving"))
-    places = _places(model, grid) if model.has_quasi_velocities else ()
+    places = () if space(model).flat else _places(model, grid)
     limits = () if velocity == "nodal" else (_mean_limits(scenario.planned_rates(model), model, grid),)
     mpcc = Mpcc(variables, (*legendre, *places, *limits), cost(scenario, model, grid, input_rows))
     mpcc += output_limits(scenario, model, grid)
@@ -75,7 +76,7 @@ def transcribe(
     return mpcc + total_time(scenario, grid), trajectory
 
 
-def _legendre_row(model: Model, rule: Rule, inputs: Inputs) -> Callable[..., ca.SX]:
+def _legendre_row(model: LagrangianModel, rule: Rule, inputs: Inputs) -> Callable[..., ca.SX]:
     momentum, slope = _lagrangian_gradients(model)
 
     def row(q0: ca.SX, v0: ca.SX, q1: ca.SX, v1: ca.SX, *rest: ca.SX) -> ca.SX:
@@ -98,7 +99,7 @@ def _backwards(block: Block, name: str) -> Block:
     return replace(block, name=name, slots=slots, parameters=-block.parameters)
 
 
-def _lagrangian_gradients(model: Model) -> tuple[Gradient, Gradient]:
+def _lagrangian_gradients(model: LagrangianModel) -> tuple[Gradient, Gradient]:
     q, v = ca.SX.sym("q", len(model.configuration.names)), ca.SX.sym("v", len(model.velocity.names))
     lagrangian = model.lagrangian(q, v)
     return (
@@ -111,7 +112,7 @@ def _places(model: Model, grid: Grid) -> tuple[Block, ...]:
     """Zero where configurations live, at the right node of every interval."""
 
     def rule(q0: ca.SX, v0: ca.SX, q1: ca.SX, v1: ca.SX, u: ca.SX, h: ca.SX) -> ca.SX:
-        return model.constraint(q1)
+        return space(model).constraint(q1)
 
     return (each_interval("constraint", grid, model, 1, rule, "1"),)
 

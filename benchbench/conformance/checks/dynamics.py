@@ -27,7 +27,7 @@ from benchbench.conformance.checks.initial_value import (
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest
 from benchbench.mpcc.problem import Mpcc, evaluate, gather
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import Model, input_bounds, output, output_bounds, output_box
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench.transcription.dynamics import Dynamics
@@ -85,7 +85,7 @@ def check_limits(dynamics: Dynamics, model: Model) -> None:
     first, rest = model.configuration.names[0], at_rest(model)
     fastest = next(
         name
-        for of in (model.velocity, model.outputs)
+        for of in (model.velocity, output_box(model))
         for name, top in zip(of.names, of.upper, strict=True)
         if np.isfinite(top)
     )
@@ -128,18 +128,20 @@ def check_outputs(dynamics: Dynamics, model: Model) -> None:
     """A velocity that brings one limited output above or below its limit, at any node but the first, is noticed."""
     transcribed = transcribe(dynamics, model, one_phase(6, 0.5))
     q, v = (ca.SX.sym(k, len(of.names)) for k, of in (("q", model.configuration), ("v", model.velocity)))
-    slope = ca.Function("slope", [q, v], [ca.jacobian(model.output(q, v), v)])
+    slope = ca.Function("slope", [q, v], [ca.jacobian(output(model, q, v), v)])
     slopes = np.asarray(slope(at_rest(model), np.zeros(v.shape[0])))
     towards = np.linalg.pinv(slopes) if len(slopes) else np.zeros((v.shape[0], 0))
     still = _at_rest_for(transcribed, model, 0.5)
-    lower, upper = model.output_limits(scenario_of(model).flown(model, len(still.time)))
+    lower, upper = output_bounds(model, scenario_of(model).flown(model, len(still.time)))
     for i, node, share in product(range(len(slopes)), (1, 3, 5), (0.9, 1.01)):
         for limit in (lower[node, i], upper[node, i]):
             if np.isfinite(limit) and slopes[i].any():
                 velocity = still.velocity.copy()
                 velocity[node] = share * limit * towards[:, i]
                 plan = replace(still, velocity=velocity)
-                _expect(transcribed, plan, share > 1, f"{share} times the limit of {model.outputs.names[i]}")
+                _expect(
+                    transcribed, plan, share > 1, f"{share} times the limit of {output_box(model).names[i]}"
+                )
 
 
 def check_hover_ends(dynamics: Dynamics, model: Model) -> None:
@@ -198,7 +200,7 @@ def _boxes(transcribed: Transcribed, model: Model, scenario: Scenario, still: Pl
     if still.interpolation != "bezier":
         found["inputs"] = (
             model.inputs.names,
-            *model.input_limits(flown[input_intervals(grid, len(still.inputs))]),
+            *input_bounds(model, flown[input_intervals(grid, len(still.inputs))]),
         )
     return found
 

@@ -23,7 +23,7 @@ from scipy.integrate import solve_ivp
 from benchbench.arrays import Array
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest, energies, limited, random_states, symbols
-from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.model import LagrangianModel, Model, Plant, output, output_bounds, output_box, space
 
 
 def check_limits(model: Model) -> None:
@@ -42,7 +42,7 @@ def check_limits(model: Model) -> None:
 
 def check_mass_matrix(model: Model) -> None:
     """M(q) = d2L/dv2 is symmetric positive definite, and L = v^T M v / 2 + L(q, 0)."""
-    if not model.has_lagrangian:
+    if not isinstance(model, LagrangianModel):
         return
     of = energies(model)
     for q, v, _ in zip(*random_states(model, 20), strict=True):
@@ -84,8 +84,8 @@ def check_difference(model: Model) -> None:
     """difference(q0, q1) is odd, and (q0, q1) a time s of constant v apart give s v up to third order; constraint()."""
     n, k = len(model.configuration.names), len(model.velocity.names)
     q0, q1 = ca.SX.sym("q0", n), ca.SX.sym("q1", n)
-    between = ca.Function("difference", [q0, q1], [model.difference(q0, q1)])
-    place = ca.Function("constraint", [q0], [model.constraint(q0)])
+    between = ca.Function("difference", [q0, q1], [space(model).difference(q0, q1)])
+    place = ca.Function("constraint", [q0], [space(model).constraint(q0)])
     of, (q, v, _) = symbols(model), random_states(model, 10, seed=6)
     for start, speed in zip(q, v / np.maximum(np.abs(v).max(), 1.0), strict=True):
         ends = [_straight(of.rate, start, speed, s) for s in (0.02, 0.01)]
@@ -110,19 +110,19 @@ def check_outputs(model: Model) -> None:
     """Names and limits fit, and the symbols' y(q, v) equal the plant's."""
     n, k = len(model.configuration.names), len(model.velocity.names)
     q, v = ca.SX.sym("q", n), ca.SX.sym("v", k)
-    output = ca.Function("output", [q, v], [model.output(q, v)])
-    count = len(model.outputs.names)
-    require(output.size1_out(0) == count, f"{count} names, but {output.size1_out(0)} outputs")
+    symbols_of = ca.Function("output", [q, v], [output(model, q, v)])
+    count = len(output_box(model).names)
+    require(symbols_of.size1_out(0) == count, f"{count} names, but {symbols_of.size1_out(0)} outputs")
     states = random_states(model, 20, seed=7)[:2]
-    ours = np.array([np.asarray(output(*state)).ravel() for state in zip(*states, strict=True)])
+    ours = np.array([np.asarray(symbols_of(*state)).ravel() for state in zip(*states, strict=True)])
     close(model.plant().output(*states), ours.reshape(20, count), 1e-9, "the plant's outputs")
-    for low, high in (model.output_limits(np.zeros(3)), model.output_limits(np.full(3, 1e3))):
+    for low, high in (output_bounds(model, np.zeros(3)), output_bounds(model, np.full(3, 1e3))):
         require(low.shape == high.shape == (3, count) and np.all(low <= high), "output_limits() do not fit")
 
 
 def check_virtual_work(model: Model) -> None:
     """Q . v equals dE/dt along the plant's motion, by central differences of E; random v span all directions."""
-    if not model.has_lagrangian:
+    if not isinstance(model, LagrangianModel):
         return
     of, plant = energies(model), model.plant()
     for q, v, u in zip(*random_states(model, 20, seed=1), strict=True):
@@ -151,7 +151,7 @@ def _flown(plant: Plant, q: Array, v: Array, u: Array, step: float) -> tuple[Arr
 
 def check_energy(model: Model) -> None:
     """The symbols' motion under random held inputs gains exactly the work of Q."""
-    if not model.has_lagrangian:
+    if not isinstance(model, LagrangianModel):
         return
     of, accelerate, q0 = energies(model), symbols(model).acceleration, at_rest(model)
     n, k, rate = len(q0), len(model.velocity.names), symbols(model).rate

@@ -15,6 +15,7 @@ import numpy as np
 from benchbench.conformance.checks.initial_value import Signal, fly, integrate, one_phase, told, transcribe
 from benchbench.conformance.checks.require import require
 from benchbench.conformance.checks.states import at_rest, limited, normalised
+from benchbench.ocp.mechanics import lagrangian_model
 from benchbench.ocp.model import Model
 from benchbench.transcription.dynamics import Dynamics
 from benchbench.transcription.grid import Grid, Phase
@@ -111,7 +112,8 @@ def energy_errors(
     got = integrate(transcribed, plan, fly(model, plan))
     n = len(model.configuration.names)
     q, v = ca.SX.sym("q", n), ca.SX.sym("v", n)
-    lagrangian, kinetic = model.lagrangian(q, v), model.lagrangian(q, v) - model.lagrangian(q, ca.SX.zeros(n))
+    of = lagrangian_model(model)
+    lagrangian, kinetic = of.lagrangian(q, v), of.lagrangian(q, v) - of.lagrangian(q, ca.SX.zeros(n))
     energy = ca.Function("energy", [q, v], [2 * kinetic - lagrangian, kinetic])
     total, moving = (np.asarray(x).ravel() for x in energy(got.configuration.T, got.velocity.T))
     error = np.abs(total - total[0]) / np.max(moving)

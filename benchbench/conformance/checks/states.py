@@ -10,7 +10,8 @@ from scipy.optimize import least_squares
 
 from benchbench.arrays import Array
 from benchbench.conformance.checks.require import require
-from benchbench.ocp.model import Coordinates, Model, mass_matrix
+from benchbench.ocp.mechanics import acceleration, mass_matrix
+from benchbench.ocp.model import Coordinates, LagrangianModel, Model, space
 
 WIDE = 2.0
 """Where a coordinate has no limit, it is drawn from [-WIDE, WIDE]."""
@@ -40,17 +41,17 @@ class Energies:
 def symbols(model: Model) -> Symbols:
     """Return the functions; tool gives position and velocity."""
     q, v, u = _arguments(model)
-    tool = model.tool(q)
+    tool, lives = model.tool(q), space(model)
     return Symbols(
-        ca.Function("acceleration", [q, v, u], [model.acceleration(q, v, u)]),
-        ca.Function("rate", [q, v], [model.kinematics(q, v)]),
-        ca.Function("tool", [q, v], [tool, ca.jtimes(tool, q, model.kinematics(q, v))]),
+        ca.Function("acceleration", [q, v, u], [acceleration(model, q, v, u)]),
+        ca.Function("rate", [q, v], [lives.kinematics(q, v)]),
+        ca.Function("tool", [q, v], [tool, ca.jtimes(tool, q, lives.kinematics(q, v))]),
         ca.Function("nose", [q], [model.nose(q)]),
-        ca.Function("normalised", [q], [model.normalised(q)]),
+        ca.Function("normalised", [q], [lives.normalised(q)]),
     )
 
 
-def energies(model: Model) -> Energies:
+def energies(model: LagrangianModel) -> Energies:
     """Return the functions; energy is v . dL/dv - L."""
     q, v, u = _arguments(model)
     lagrangian = model.lagrangian(q, v)
@@ -93,13 +94,13 @@ def random_states(model: Model, count: int, seed: int = 0) -> tuple[Array, Array
 def at_rest(model: Model) -> Array:
     """Return the configuration (n_q,) near the middle of the limits that hover() holds at rest.
 
-    What has no limits stays near its value in `Model.origin`.
+    What has no limits stays near its value in `Space.origin`.
     """
     box = model.configuration
     bounded = np.isfinite(box.lower) & np.isfinite(box.upper)
     low, high = limited(box)
     plant, still = model.plant(), np.zeros(len(model.velocity.names))
-    first = np.where(bounded, (low + high) / 2, model.origin())
+    first = np.where(bounded, (low + high) / 2, space(model).origin())
 
     def falling(q: Array) -> Array:
         return plant.acceleration(q, still, model.hover())

@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.arrays import Array
 from benchbench.ocp.contact import Condition, Contact, Target
-from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.model import Model, Plant, space
 from benchbench.ocp.node import Node
 
 
@@ -28,7 +28,7 @@ class Velocity(Contact):
         q = ca.SX.sym("q", node.configuration.shape[0])
         jacobian = ca.Function("tool_jacobian", [q], [ca.jacobian(model.tool(q), q)])
         speed = (
-            jacobian(node.configuration) @ model.kinematics(node.configuration, node.velocity)
+            jacobian(node.configuration) @ space(model).kinematics(node.configuration, node.velocity)
             - target.velocity
         )
         return Condition(ca.sumsqr(speed) / self.limit**2 - 1, self.unit, (self.limit,))

@@ -13,7 +13,7 @@ import casadi as ca
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import Model, space
 from benchbench.ocp.scenario import Scenario
 from benchbench.transcription.dynamics import Dynamics
 from benchbench.transcription.grid import Grid, Trajectory
@@ -62,11 +62,12 @@ def _rule(
     v1: ca.SX,
     h: ca.SX,
 ) -> Discrete:
-    difference = model.difference(q0, q1)
+    lives = space(model)
+    difference = lives.difference(q0, q1)
     w = difference / h
     mean = (momentum(q0, w) + momentum(q1, w)) / 2
-    along = ca.jacobian(model.kinematics(q0, v0), v0)
+    along = ca.jacobian(lives.kinematics(q0, v0), v0)
     d1 = along.T @ (h / 2 * slope(q0, w) + ca.jacobian(difference, q0).T @ mean)
-    bend = h / 8 * (model.kinematics(q0, v0) - model.kinematics(q1, v1))
-    middle = model.normalised((q0 + q1) / 2 + bend), (v0 + v1) / 2
+    bend = h / 8 * (lives.kinematics(q0, v0) - lives.kinematics(q1, v1))
+    middle = lives.normalised((q0 + q1) / 2 + bend), (v0 + v1) / 2
     return Discrete(d1, (q0, v0), (q1, v1), middle if simpson else None)

@@ -9,7 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput
 from benchbench.mpcc.problem import Mpcc
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import ExplicitModel, Model
 from benchbench.ocp.scenario import Scenario
 from benchbench.transcription import shooting
 from benchbench.transcription.dynamics import Dynamics
@@ -47,7 +47,7 @@ class Rk4(Dynamics):
     def transcribe(self, scenario: Scenario, model: Model, grid: Grid) -> tuple[Mpcc, Trajectory]:
         """Return nodes, stages, their equations and the cost."""
         tableau = composed(RK4, self.steps)
-        wanted = "shooting" if model.has_acceleration else "stages"
+        wanted = "shooting" if isinstance(model, ExplicitModel) else "stages"
         if self.inputs == "polynomial" or (wanted if self.form == "auto" else self.form) == "stages":
             return transcribe(tableau, self.inputs, scenario, model, grid)
         return shooting.transcribe(tableau, self.inputs, scenario, model, grid)

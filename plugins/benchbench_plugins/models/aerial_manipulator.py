@@ -14,19 +14,29 @@ import numpy as np
 from pydantic import ValidationError
 from scipy.spatial.transform import Rotation
 
-from benchbench.arrays import Array, Flags
+from benchbench.arrays import Array
 from benchbench.errors import BadInput, invalid
-from benchbench.ocp.model import Coordinates, Model, Plant, box
+from benchbench.ocp.model import (
+    Coordinates,
+    LagrangianModel,
+    ManifoldModel,
+    OutputModel,
+    Plant,
+    RacingModel,
+    box,
+)
+from benchbench.ocp.space import Space
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
 from benchbench_plugins.models.attitude import ATTITUDES, Kind
+from benchbench_plugins.models.attitude_space import AttitudeSpace
 
 POSITION, VELOCITY, ANGLES = ("x", "y", "z"), ("vx", "vy", "vz"), ("roll", "pitch", "yaw")
 INPUTS = ("motor_1", "motor_2", "motor_3", "motor_4", "servo")
 
 
 @final
-class AerialManipulator(Model):
+class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel):
     """Aerial manipulator of the paper.
 
     force_model "virtual_work": Q_p = R e_3 sum f, Q_xi = E(xi)^T tau_B, Q_alpha = tau_servo. The arm angle
@@ -76,6 +86,11 @@ class AerialManipulator(Model):
         return Coordinates((*names, "arm"), ("m/s",) * 3 + ("rad/s",) * 4, -most, most)
 
     @property
+    def space(self) -> Space:
+        """The attitude's, with one joint."""
+        return AttitudeSpace(self._attitude, joints=1, heading_free=False)
+
+    @property
     def outputs(self) -> Coordinates:
         """Roll, pitch and Euler angle rates, where they are neither coordinates nor velocities."""
         if self._in_angles:
@@ -96,7 +111,7 @@ class AerialManipulator(Model):
         p = self.parameters
         omega = self._attitude.omega(q[3:-1], v[3:6])
         arm_centre = self._along_arm(q, p.arm_length / 2)
-        arm_velocity = ca.jtimes(arm_centre, q, self.kinematics(q, v))
+        arm_velocity = ca.jtimes(arm_centre, q, self.space.kinematics(q, v))
         to_arm = arm_rotation(q[-1]).T
         arm_omega = to_arm @ (omega + ca.vertcat(0, v[6], 0))
         kinetic = (
@@ -119,35 +134,6 @@ class AerialManipulator(Model):
         if self.force_model == "virtual_work":
             torque = self._attitude.moment(q[3:-1], torque)
         return ca.vertcat(self._attitude.axis(q[3:-1], 2) * ca.sum1(f), torque, u[4])
-
-    def kinematics(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        """World velocity, the attitude's derivative, arm rate."""
-        return ca.vertcat(v[:3], self._attitude.kinematics(q[3:-1], v[3:6]), v[6])
-
-    def difference(self, q0: ca.SX, q1: ca.SX) -> ca.SX:
-        """Of positions and arm angles, and the attitude's."""
-        turn = self._attitude.difference(q0[3:-1], q1[3:-1])
-        return ca.vertcat(q1[:3] - q0[:3], turn, q1[-1] - q0[-1])
-
-    def constraint(self, q: ca.SX) -> ca.SX:
-        """The attitude's."""
-        return self._attitude.constraint(q[3:-1])
-
-    def normalised(self, q: ca.SX) -> ca.SX:
-        """Unit quaternion."""
-        return ca.vertcat(q[:3], self._attitude.normalised(q[3:-1]), q[-1])
-
-    def origin(self) -> Array:
-        """Upright, nose along x, arm at 0."""
-        return np.array([0.0, 0.0, 0.0, *self._attitude.origin, 0.0])
-
-    def headed(self, q: Array, heading: float) -> Array:
-        """Level, nose at a heading."""
-        return np.concatenate([q[:3], self._attitude.headed(heading), q[-1:]])
-
-    def fixed_at_rest(self) -> Flags:
-        """All, but qw, which follows from the others."""
-        return np.array([name != "qw" for name in self.configuration.names])
 
     def output(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """Roll, pitch and Euler angle rates beside quaternions, from the last row of R."""

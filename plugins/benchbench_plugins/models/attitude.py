@@ -25,8 +25,12 @@ class Attitude(ABC):
     unit: str
     rates: tuple[str, str, str]
     origin: tuple[float, ...]
+    flat: bool
+    """Whether the coordinates add up."""
     level: tuple[bool, ...]
     """Which coordinates are fixed where the vehicle is level, its heading free."""
+    independent: tuple[bool, ...]
+    """Which coordinates do not follow from the others."""
 
     @abstractmethod
     def axis(self, a: ca.SX, i: int) -> ca.SX:
@@ -50,11 +54,11 @@ class Attitude(ABC):
 
     @abstractmethod
     def difference(self, a0: ca.SX, a1: ca.SX) -> ca.SX:
-        """Return w that leads from a0 to a1 in unit time, see `benchbench.ocp.model.Model.difference`."""
+        """Return w that leads from a0 to a1 in unit time, see `benchbench.ocp.space.Space.difference`."""
 
     @abstractmethod
     def constraint(self, a: ca.SX) -> ca.SX:
-        """Return what is zero for attitudes, see `benchbench.ocp.model.Model.constraint`."""
+        """Return what is zero for attitudes, see `benchbench.ocp.space.Space.constraint`."""
 
     @abstractmethod
     def normalised(self, a: ca.SX) -> ca.SX:
@@ -84,7 +88,9 @@ class EulerAngles(Attitude):
     names = rates = ("roll", "pitch", "yaw")
     unit = "rad"
     origin = (0.0, 0.0, 0.0)
+    flat = True
     level = (True, True, False)
+    independent = (True, True, True)
 
     def axis(self, a: ca.SX, i: int) -> ca.SX:
         """Columns of Rz Ry Rx."""
@@ -153,7 +159,9 @@ class UnitQuaternion(Attitude):
     rates = ("wx", "wy", "wz")
     unit = "1"
     origin = (1.0, 0.0, 0.0, 0.0)
+    flat = False
     level = (False, True, True, False)
+    independent = (False, True, True, True)
 
     def axis(self, a: ca.SX, i: int) -> ca.SX:
         """Body axis in the world, for a quaternion of any length."""

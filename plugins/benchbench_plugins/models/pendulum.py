@@ -9,13 +9,13 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.arrays import Array
-from benchbench.ocp.model import Coordinates, Model, Plant, box
+from benchbench.ocp.model import Coordinates, LagrangianModel, Plant, box
 from benchbench.ocp.scenario import NonNegative, Positive, Range
 
 
 @final
 @dataclass(frozen=True)
-class Pendulum(Model):
+class Pendulum(LagrangianModel):
     """q = [angle] from hanging straight down, u = [torque] at the pivot; swings in the x-z plane.
 
     L = m l^2 v^2 / 2 + m g l cos q, Q = u - c v. mass m kg, length l m, damping c N m s/rad, gravity m/s^2;

@@ -14,11 +14,24 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 from scipy.spatial.transform import Rotation
 
-from benchbench.arrays import Array, Flags
+from benchbench.arrays import Array
 from benchbench.errors import BadInput
-from benchbench.ocp.model import Coordinates, Model, Plant, box
+from benchbench.ocp.model import (
+    Bounds,
+    Coordinates,
+    ExplicitModel,
+    LagrangianModel,
+    ManifoldModel,
+    OutputModel,
+    Plant,
+    RacingModel,
+    RampModel,
+    box,
+)
 from benchbench.ocp.scenario import NonNegative, Positive, Range
+from benchbench.ocp.space import Space
 from benchbench_plugins.models.attitude import ATTITUDES, Attitude, Kind
+from benchbench_plugins.models.attitude_space import AttitudeSpace
 from benchbench_plugins.models.quadrotor_plant import QuadrotorPlant
 
 POSITION, VELOCITY, RATES = ("x", "y", "z"), ("vx", "vy", "vz"), ("wx", "wy", "wz")
@@ -33,7 +46,7 @@ Triple = tuple[Positive, Positive, Positive]
 class Ramp:
     """Limits that grow linearly from their values at the start to the vehicle's own over the first metres.
 
-    metres       of the nominal path, as `Model.velocity_limits` counts them
+    metres       of the nominal path, as `RampModel` counts them
     motor_force  largest motor force at the start, N
     body_rate    largest body rates at the start, rad/s
     """
@@ -45,7 +58,7 @@ class Ramp:
 
 @final
 @dataclass(frozen=True)
-class Quadrotor(Model):
+class Quadrotor(ExplicitModel, LagrangianModel, ManifoldModel, OutputModel, RampModel, RacingModel):
     """Four motors in X configuration, motors 1 and 4 on the left side (+y), 1 and 2 in front.
 
     mass kg; inertia kg m^2 about the body axes; lever m of a motor about the x and y axis; torque_coefficient m,
@@ -87,6 +100,11 @@ class Quadrotor(Model):
         return Coordinates(names, ("m/s",) * 3 + ("rad/s",) * 3, -most, most)
 
     @property
+    def space(self) -> Space:
+        """A place to rest at leaves the heading open."""
+        return AttitudeSpace(self._attitude, joints=0, heading_free=True)
+
+    @property
     def outputs(self) -> Coordinates:
         """Body rates, where they are no velocities."""
         if not self._in_angles:
@@ -99,31 +117,27 @@ class Quadrotor(Model):
         low, high = self.motor_force
         return box(tuple(f"motor_{i}" for i in range(1, 5)), ("N",) * 4, [low] * 4, [high] * 4)
 
-    def velocity_limits(self, flown: Array) -> tuple[Array, Array]:
+    def velocity_bounds(self, flown: Array) -> Bounds:
         """Limits of the body rates, along the ramp, where they are velocities."""
         most = np.tile(self.velocity.upper, (len(flown), 1))
         if not self._in_angles:
             most[:, 3:] = self._rate_limits(flown)
         return -most, most
 
-    def output_limits(self, flown: Array) -> tuple[Array, Array]:
+    def output_bounds(self, flown: Array) -> Bounds:
         """The same, where they are outputs."""
         most = self._rate_limits(flown)[:, : len(self.outputs.names)]
         return -most, most
 
-    def input_limits(self, flown: Array) -> tuple[Array, Array]:
+    def input_bounds(self, flown: Array) -> Bounds:
         """Limits of the motor forces, along the ramp."""
         low, high = self.motor_force
         first = self.ramp.motor_force if self.ramp else high
         return np.full((len(flown), 4), low), self._along(flown, (first,) * 4, (high,) * 4)
 
-    def fixed_at_rest(self) -> Flags:
-        """Place, roll and pitch, not the heading."""
-        return np.array([True] * 3 + list(self._attitude.level))
-
     def specific_thrust(self, flown: Array) -> Array:
         """All motors at their limits."""
-        return np.asarray(self.input_limits(flown)[1].sum(axis=1) / self.mass)
+        return np.asarray(self.input_bounds(flown)[1].sum(axis=1) / self.mass)
 
     def follow(
         self, time: Array, position: Array, velocity: Array, thrust: Array
@@ -154,29 +168,9 @@ class Quadrotor(Model):
         force = np.repeat(OFF_LIMITS * size[:, None] * self.mass / 4, 4, axis=1)
         return np.hstack([position, place]), np.hstack([velocity, rates]), force
 
-    def kinematics(self, q: ca.SX, v: ca.SX) -> ca.SX:
-        """World velocity and the attitude's derivative."""
-        return ca.vertcat(v[:3], self._attitude.kinematics(q[3:], v[3:]))
-
-    def difference(self, q0: ca.SX, q1: ca.SX) -> ca.SX:
-        """Of positions, and the attitude's."""
-        return ca.vertcat(q1[:3] - q0[:3], self._attitude.difference(q0[3:], q1[3:]))
-
-    def constraint(self, q: ca.SX) -> ca.SX:
-        """The attitude's."""
-        return self._attitude.constraint(q[3:])
-
-    def normalised(self, q: ca.SX) -> ca.SX:
-        """Unit quaternion."""
-        return ca.vertcat(q[:3], self._attitude.normalised(q[3:]))
-
     def output(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """Body rates beside Euler angles."""
         return self._attitude.omega(q[3:], v[3:])[: len(self.outputs.names)]
-
-    def origin(self) -> Array:
-        """Upright, nose along x."""
-        return np.array([0.0, 0.0, 0.0, *self._attitude.origin])
 
     def lagrangian(self, q: ca.SX, v: ca.SX) -> ca.SX:
         """L = (m |dp/dt|^2 + omega^T J omega) / 2 - m g z."""
