@@ -63,22 +63,29 @@ def run(
 
 
 def write(done: Run, folder: Path, table: Path, config: str, picture: bool = True) -> dict[str, Path]:
-    """Write record, recording and picture into `folder` and the row into `table`; returns the paths.
+    """Write recording and picture, then the record into `folder`, then the row into `table`; returns the paths.
 
-    config: the composed configuration as YAML; picture: whether to draw. Raises BadInput("output", ...) when the
-    disk refuses.
+    What an earlier run left in the folder goes first. A row is there once everything that it promises is; a recording or a
+    picture that cannot be made costs neither record nor row. config: the composed configuration as YAML; picture: whether
+    to draw. Raises BadInput("output", ...) when the disk refuses.
     """
-    from benchbench.storage.files import write_bytes, write_record, write_solution
+    from benchbench.storage.files import vacate, write_bytes, write_record, write_solution
     from benchbench.storage.table import append
 
+    vacate(folder)
     paths = {"config": folder / "config.yaml"}
     write_bytes(paths["config"], config.encode())
-    paths["record"] = write_record(folder, done.record)
-    paths["table"] = append(done.record, table).parent
-    if isinstance(done.case, Case):
-        paths["plan"] = _write_flight(done, done.case, folder, config)
-        return paths | {"picture": _draw(done, done.case, folder)} if picture else paths
-    return paths | {"solution": write_solution(folder, done.result.mpcc.split(done.result.solved.x))}
+    try:
+        if isinstance(done.case, Case):
+            paths["plan"] = _write_flight(done, done.case, folder, config)
+            paths |= {"picture": _draw(done, done.case, folder)} if picture else {}
+        else:
+            solution = done.result.mpcc.split(done.result.solved.x)
+            paths["solution"] = write_solution(folder, solution)
+    finally:
+        paths["record"] = write_record(folder, done.record)
+        paths["table"] = append(done.record, table).parent
+    return paths
 
 
 def _write_flight(done: Run, case: Case, folder: Path, config: str) -> Path:

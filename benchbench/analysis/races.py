@@ -49,7 +49,7 @@ def races(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> list[Row]:
         return []
     raced = runs[known].assign(race=_named(runs, settings, on), cpu=plan_time(runs)[known])
     raced = raced.assign(
-        method=[m if m.startswith(d) else f"{d} / {m}" for d, m in zip(raced.dynamics, raced.method, strict=True)],
+        method=[m if m.startswith(d) else f"{d} / {m}" for d, m in zip(raced.dynamics.fillna(""), raced.method, strict=True)],
         nodes=raced.intervals.astype(int) // (raced.gates.astype(int) + 1),
     )  # fmt: skip
     rows = raced[["method", "race", "nodes"]].drop_duplicates().sort_values(["method", "race", "nodes"])

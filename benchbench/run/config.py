@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -43,8 +42,8 @@ KINDS: dict[str, type | tuple[type, ...]] = {
 FAMILIES = tuple(family for family in KINDS if family != "scenario")
 FLIGHT = ("vehicle", "dynamics", "guess")
 """Families that play no part in a scenario that comes ready-made as an MPCC."""
-NUMBERS = {"seed": (int, 0), "time_limit": (float, 1e-3), "iteration_limit": (int, 1)}
-"""Numbers of a run with their type and smallest value."""
+NUMBERS = {"seed": (int, 0, 2**63 - 1), "time_limit": (float, 1e-3, 1e7), "iteration_limit": (int, 1, 10**9)}
+"""Numbers of a run with their type, smallest and largest value."""
 WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
 FIELDS = (*KINDS, "peer", *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
 
@@ -203,16 +202,16 @@ def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:
     for key in cfg:
         if key not in FIELDS:
             raise unknown_field(str(key), FIELDS)
-    for key, (kind, low) in NUMBERS.items():
+    for key, (kind, low, high) in NUMBERS.items():
         value = cfg.get(key)
         fits = isinstance(value, (int, kind)) and not isinstance(value, bool)
-        if not fits or not low <= value or not math.isfinite(value):
+        if not fits or not low <= value <= high:  # NaN is nowhere between
             what = "whole number" if kind is int else "number of seconds"
-            raise BadInput(key, f"{value!r} was given", f"a {what} of at least {low:g}")
+            raise BadInput(key, f"{value!r} was given", f"a {what} of at least {low:g}, at most {high:g}")
     for key, allowed_words in WORDS.items():
         if cfg.get(key) not in allowed_words:
             raise BadInput(key, f"{cfg.get(key)!r} was given", ", ".join(allowed_words))
-    if cfg.get("output") in (None, ""):
+    if not isinstance(cfg.get("output"), str | int) or cfg.get("output") == "":
         raise BadInput("output", f"{cfg.get('output')!r} was given", "the path of a folder")
     if chosen.get("peer") and chosen.get("strategy") != "peer":
         raise BadInput(

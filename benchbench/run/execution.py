@@ -25,7 +25,8 @@ from benchbench.run.failure import failed, reason
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.progress import LiveLine
 from benchbench.storage.best_known import BEST_KNOWN, BestKnown, packaged
-from benchbench.storage.files import RECORD, write_record
+from benchbench.storage.contents import contents
+from benchbench.storage.files import RECORD, vacate, write_record
 from benchbench.storage.schema import Record
 
 CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2
@@ -135,16 +136,20 @@ def store(record: Record, place: Place) -> None:
     """Write a record into the run's folder and its row into the table; raises BadInput("output", ...)."""
     from benchbench.storage.table import append  # pandas takes half a second to import
 
+    vacate(place.folder)
     write_record(place.folder, record)
     append(record, place.root)
 
 
 def config_hash(cfg: DictConfig) -> str:
-    """Hash of everything that decides the result of a run: the composed config without `settings.NOT_DECISIVE`."""
+    """Hash of everything that decides the result of a run.
+
+    That is the composed configuration without `settings.NOT_DECISIVE`, and the content of the files that it names.
+    """
     resolved = OmegaConf.to_container(cfg, resolve=True)
     decisive = {str(k): v for k, v in resolved.items() if k not in settings.NOT_DECISIVE}  # type: ignore[union-attr]
     text = OmegaConf.to_yaml(OmegaConf.create(decisive), sort_keys=True)
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
+    return hashlib.sha256("".join([text, *contents(decisive)]).encode()).hexdigest()[:16]
 
 
 def _complaint(error: Exception, told: Exception) -> Complaint:

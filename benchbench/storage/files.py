@@ -13,7 +13,13 @@ from typing import Any
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
 
-RECORD, PLAN, SOLUTION = "record.json", "plan.mcap", "solution.json"
+RECORD, PLAN, SOLUTION, PICTURE, CONFIG = (
+    "record.json",
+    "plan.mcap",
+    "solution.json",
+    "plan.png",
+    "config.yaml",
+)
 TEMPORARY_SUFFIX = ".tmp"
 
 
@@ -60,6 +66,18 @@ def write_solution(folder: Path, values: Mapping[str, Array]) -> Path:
     path = folder / SOLUTION
     write_bytes(path, (json.dumps({name: rows.tolist() for name, rows in values.items()}) + "\n").encode())
     return path
+
+
+def vacate(folder: Path) -> None:
+    """Remove what an earlier run left in a run's folder, so that no old file stands beside a new record.
+
+    The record goes first: without it the others belong to no run. Raises BadInput("output", ...).
+    """
+    try:
+        for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG):
+            (folder / name).unlink(missing_ok=True)
+    except OSError as error:
+        raise _cannot_write(folder, error) from error
 
 
 def _cannot_write(folder: Path, error: OSError) -> BadInput:

@@ -10,6 +10,8 @@ from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
 
+from benchbench.storage.contents import source_hash
+
 CHECKOUT = Path(__file__).resolve().parents[2]
 """Folder that holds the package `benchbench`: the root of the repository if this is a checkout."""
 
@@ -35,6 +37,7 @@ def collect() -> Provenance:
         "threads": threads(os.environ.get("OMP_NUM_THREADS")),
         "git_commit": commit,
         "git_dirty": dirty,
+        "source_hash": source_hash(),
         "started_at": datetime.now(UTC).isoformat(timespec="milliseconds"),
     }
 

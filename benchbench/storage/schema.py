@@ -18,18 +18,28 @@ __all__ = ["COLUMNS", "SCHEMA_VERSION", "Column", "Record", "Status", "make_reco
 
 SCHEMA_VERSION = 2
 
+COUNT = (0, 10**12)
+"""What can be counted: iterations, unknowns, nodes. A solver that never ran may tell anything else."""
+SEED = (0, 2**63 - 1)
+LONGEST = 20_000
+"""Characters of a text that are kept."""
+
 Type = Literal["int", "float", "str", "bool", "strings"]
 Record = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column: its type ("strings" is a list of texts), its unit ("" where there is none), its meaning."""
+    """One column: its type ("strings" is a list of texts), its unit ("" where there is none), its meaning.
+
+    plausible  smallest and largest number of an "int" that can be true
+    """
 
     name: str
     type: Type
     unit: str
     meaning: str
+    plausible: tuple[int, int] = COUNT
 
 
 COLUMNS: tuple[Column, ...] = (
@@ -46,7 +56,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("guess", "str", "", "name of the initial guess"),
     Column("intervals", "int", "", "N, number of intervals of the time grid"),
     Column("kappa_init", "int", "", "number of consecutive nodes asked to be in contact"),
-    Column("seed", "int", "", "seed of every random number of the run"),
+    Column("seed", "int", "", "seed of every random number of the run", SEED),
     Column("task_hash", "str", "", "hash of task, limits, transcription and grid; equal hash means travel times may be compared"),
     # how it ended
     Column("status", "str", "", "typed outcome: " + ", ".join(Status)),
@@ -129,6 +139,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("threads", "int", "", "OMP_NUM_THREADS of the run; empty if not set"),
     Column("git_commit", "str", "", "commit of the BenchBench checkout; empty for an installed package"),
     Column("git_dirty", "bool", "", "the checkout had changes that are not in that commit"),
+    Column("source_hash", "str", "", "hash of the source of BenchBench and of the installed plugins"),
     Column("started_at", "str", "", "start of the run, UTC, ISO 8601"),
 )  # fmt: skip
 
@@ -138,8 +149,8 @@ _BY_NAME = {column.name: column for column in COLUMNS}
 def make_record(**values: Any) -> Record:
     """Return a record with every column, in order; what is not given is None.
 
-    NaN and infinity become None (unknown), NumPy scalars become Python numbers. Raises TypeError for a
-    name that is no column or a value of the wrong type, ValueError for a status that does not exist.
+    NaN, infinity and counts that cannot be true become None (unknown), NumPy scalars become Python numbers, text what
+    UTF-8 can say of it, up to `LONGEST` characters. Raises TypeError for a name that is no column or a value of the wrong type, ValueError for a status that does not exist.
     """
     unknown = sorted(values.keys() - _BY_NAME.keys())
     if unknown:
@@ -162,11 +173,19 @@ def _convert(column: Column, value: Any) -> Any:
         case "float":
             return float(value)
         case "str":
-            return str(value)
+            return _text(value)
         case "strings":
-            return [str(text) for text in value]
+            return [_text(text) for text in value]
+        case "int":
+            low, high = column.plausible
+            return value if low <= value <= high else None
         case _:
             return value
+
+
+def _text(value: str) -> str:
+    """Text that every file can hold: a lone surrogate cannot be written."""
+    return str(value)[:LONGEST].encode("utf-8", "replace").decode()
 
 
 def _fits(type_: Type, value: Any) -> bool:

@@ -119,7 +119,10 @@ def conform(table: pa.Table) -> pa.Table:
 
 def load_record(path: Path) -> Record:
     """Read a `record.json` of any schema version; raises OSError, ValueError or TypeError for anything else."""
-    values = json.loads(path.read_text())
+    try:
+        values = json.loads(path.read_bytes())
+    except RecursionError:
+        raise ValueError("nested too deeply for a record") from None
     if not isinstance(values, dict):
         raise TypeError("not a record")
     return make_record(**values)
