@@ -71,7 +71,7 @@ def test_counts_that_cannot_be_true_and_text_that_cannot_be_written_cost_no_tabl
     """A solver that never ran told -20924272000 iterations; a row with 10^20 intervals killed every reader."""
     record = make_record(
         run_id="one", status="error", iterations=-20924272000, intervals=99999999999999999999, seed=2**70,
-        n_variables=7, reasons=["a \ud800 b", "x" * 10**6], advice="\udfff",
+        n_variables=7, reasons=["a \ud800 b", "x"], advice="\udfff",
     )  # fmt: skip
     assert [record[c] for c in ("iterations", "intervals", "seed", "n_variables")] == [None, None, None, 7]
     append(record, tmp_path)

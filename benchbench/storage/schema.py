@@ -18,10 +18,11 @@ __all__ = ["COLUMNS", "SCHEMA_VERSION", "Column", "Record", "Status", "make_reco
 
 SCHEMA_VERSION = 2
 
-COUNT = (0, 10**12)
+COUNT = (0, 2**53)
 """What can be counted: iterations, unknowns, nodes. A solver that never ran may tell anything else."""
+GRID = (0, 10**8)
 SEED = (0, 2**63 - 1)
-LONGEST = 20_000
+LONGEST = 10_000_000
 """Characters of a text that are kept."""
 
 Type = Literal["int", "float", "str", "bool", "strings"]
@@ -54,8 +55,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("solver", "str", "", "name of the solver"),
     Column("strategy", "str", "", "name of the strategy (what is done with several solves)"),
     Column("guess", "str", "", "name of the initial guess"),
-    Column("intervals", "int", "", "N, number of intervals of the time grid"),
-    Column("kappa_init", "int", "", "number of consecutive nodes asked to be in contact"),
+    Column("intervals", "int", "", "N, number of intervals of the time grid", GRID),
+    Column("kappa_init", "int", "", "number of consecutive nodes asked to be in contact", GRID),
     Column("seed", "int", "", "seed of every random number of the run", SEED),
     Column("task_hash", "str", "", "hash of task, limits, transcription and grid; equal hash means travel times may be compared"),
     # how it ended
@@ -135,8 +136,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("solver_version", "str", "", "version of the solver, as its plugin reports it"),
     Column("platform", "str", "", "operating system and machine type"),
     Column("cpu", "str", "", "model name of the processor"),
-    Column("cpu_count", "int", "", "number of logical processors the run may use"),
-    Column("threads", "int", "", "OMP_NUM_THREADS of the run; empty if not set"),
+    Column("cpu_count", "int", "", "number of logical processors the run may use", GRID),
+    Column("threads", "int", "", "OMP_NUM_THREADS of the run; empty if not set", GRID),
     Column("git_commit", "str", "", "commit of the BenchBench checkout; empty for an installed package"),
     Column("git_dirty", "bool", "", "the checkout had changes that are not in that commit"),
     Column("source_hash", "str", "", "hash of the source of BenchBench and of the installed plugins"),
