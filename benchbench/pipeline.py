@@ -69,11 +69,11 @@ def write(done: Run, folder: Path, table: Path, config: str, picture: bool = Tru
     picture that cannot be made costs neither record nor row. config: the composed configuration as YAML; picture: whether
     to draw. Raises BadInput("output", ...) when the disk refuses.
     """
-    from benchbench.storage.files import vacate, write_bytes, write_record, write_solution
+    from benchbench.storage.files import CONFIG, RECORD, vacate, write_bytes, write_record, write_solution
     from benchbench.storage.table import append
 
     vacate(folder)
-    paths = {"config": folder / "config.yaml"}
+    paths = {"config": folder / CONFIG, "record": folder / RECORD}
     write_bytes(paths["config"], config.encode())
     try:
         if isinstance(done.case, Case):
@@ -83,7 +83,7 @@ def write(done: Run, folder: Path, table: Path, config: str, picture: bool = Tru
             solution = done.result.mpcc.split(done.result.solved.x)
             paths["solution"] = write_solution(folder, solution)
     finally:
-        paths["record"] = write_record(folder, done.record)
+        write_record(folder, done.record)
         paths["table"] = append(done.record, table).parent
     return paths
 
@@ -99,8 +99,9 @@ def _write_flight(done: Run, case: Case, folder: Path, config: str) -> Path:
 
 def _draw(done: Run, case: Case, folder: Path) -> Path:
     from benchbench.report.picture import draw
+    from benchbench.storage.files import PICTURE
 
-    path, plan, flight = folder / "plan.png", done.result.plan, done.certificate.flight
+    path, plan, flight = folder / PICTURE, done.result.plan, done.certificate.flight
     title = (
         f"{case.names['scenario']}, {case.names['dynamics']}, N = {plan.intervals}, {case.names['strategy']}"
     )
