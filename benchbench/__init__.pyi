@@ -1,7 +1,9 @@
 # The public face: what users and plugin authors need, and nothing else. Loaded on first use (lazy_loader reads this file).
 
 from .arrays import Array
-from .certificate.certificate import Certificate, Check
+from .certificate.certificate import Certificate
+from .certificate.check import Check, at_least, at_most, worst
+from .certificate.evidence import Evidence
 from .errors import BadInput, BenchBenchError, IncompatibleCase, NoPlan, Unavailable
 from .mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, evaluate, rows
 from .mpcc.ready import ReadyMade, whole
@@ -51,11 +53,11 @@ __version__: str
 
 __all__ = [
     "TOLERANCE", "Accuracy", "Array", "BadInput", "BenchBenchError", "Block", "Case", "Certificate", "Check",
-    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "ExplicitModel", "Grid", "Guess",
+    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "Evidence", "ExplicitModel", "Grid", "Guess",
     "IncompatibleCase", "LagrangianModel", "Ledger", "ManifoldModel", "Method", "Model", "Motion", "Mpcc",
     "MpccStrategy", "NoPlan", "Node", "Outcome", "OutputModel", "Pair", "PairKind", "Parametric", "Peer", "Phase",
     "Plan", "Plant", "Point", "Prepared", "Progress", "RacingModel", "RampModel", "ReadyCase", "ReadyMade",
     "Relaxation", "Relaxed", "Result", "RunView", "Scenario", "Schedule", "Setup", "Shared", "Slot", "Solution",
     "Solver", "Space", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown", "Variable", "acceleration",
-    "certify", "evaluate", "load", "plan", "rows", "runs", "space", "whole",
+    "at_least", "at_most", "certify", "evaluate", "load", "plan", "rows", "runs", "space", "whole", "worst",
 ]  # fmt: skip

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from benchbench.arrays import Array, Flags
+from benchbench.certificate.evidence import Evidence
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.contact import Contact
@@ -48,6 +49,24 @@ class Audit:
     def worst_replayed(self, name: str) -> int:
         """Sample of the largest replayed gap in the window; NaN counts as largest."""
         return _argmax(self.replayed[name], self.dense)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ContactEvidence(Evidence):
+    """What was measured on a plan that makes stops: one audit for each, in the order of the scenario."""
+
+    audits: tuple[Audit, ...]
+
+    @property
+    def asked(self) -> list[Audit]:
+        """Stops whose contact must be long enough: those that have to be made, and those that the plan claims."""
+        itinerary = self.scenario.itinerary
+        return [one for one in self.audits if one.claims.any() or not itinerary.may_skip(one.stop)]
+
+    @property
+    def made(self) -> list[Audit]:
+        """Those of them with a contact, in order of time."""
+        return sorted((one for one in self.asked if one.window), key=lambda one: one.window or (0, 0))
 
 
 def audit(

@@ -5,25 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
-from benchbench.arrays import Array
-from benchbench.certificate.advice import advice
+from benchbench.certificate.check import Check
 from benchbench.certificate.replay import Replay
 
 Record = dict[str, bool | float | str | tuple[str, ...] | None]
-
-
-@dataclass(frozen=True)
-class Check:
-    """One limit: its `value` against `limit` in `unit`; `reason` says in words why it failed, else ""."""
-
-    name: str
-    value: float
-    limit: float
-    unit: str
-    ok: bool
-    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -63,45 +48,30 @@ class Certificate:
     @property
     def certified(self) -> bool:
         """Whether every limit is kept."""
-        return all(check.ok for check in self.checks)
+        return not self.broken
+
+    @property
+    def broken(self) -> tuple[Check, ...]:
+        """The checks that failed, in the order they were asked."""
+        return tuple(check for check in self.checks if not check.ok)
 
     @property
     def reasons(self) -> tuple[str, ...]:
         """One sentence for each broken limit."""
-        return tuple(check.reason for check in self.checks if not check.ok)
+        return tuple(check.reason for check in self.broken)
+
+    @property
+    def advice(self) -> str:
+        """What to change: what the first broken check that knows a remedy says; "" without any.
+
+        Only one is told: a plan that does not solve its problem need not be refined.
+        """
+        return next((check.advice for check in self.broken if check.advice), "")
 
     def record(self) -> Record:
         """Flat numbers for a table row; what is absent or not finite is None."""
         numbers = {name: _finite(value) for name, value in vars(self.measures).items()}
-        told = advice(check.name for check in self.checks if not check.ok)
-        return {"certified": self.certified, "reasons": self.reasons, "advice": told, **numbers}
-
-
-def at_most(
-    name: str, what: str, value: float, limit: float, unit: str, where: str = "", verb: str = "reaches"
-) -> Check:
-    """Check value <= limit; NaN fails. `what` is the subject of the reason, `where` its place or time."""
-    if math.isnan(value):
-        return Check(name, value, limit, unit, False, f"{what} is not a number{where}")
-    reason = f"{what} {verb} {_number(value, unit)}{where}, allowed {_number(limit, unit)}"
-    return Check(name, value, limit, unit, value <= limit, "" if value <= limit else reason)
-
-
-def at_least(name: str, what: str, value: float, limit: float, unit: str, slack: float = 0.0) -> Check:
-    """Check value >= limit - slack; NaN fails."""
-    ok = value >= limit - slack
-    reason = f"{what} is only {_number(value, unit)}, required {_number(limit, unit)}"
-    return Check(name, value, limit, unit, ok, "" if ok else reason)
-
-
-def worst(values: Array) -> tuple[float, tuple[int, ...]]:
-    """Largest value of an array and where it stands; NaN counts as largest."""
-    at = np.unravel_index(np.argmax(np.where(np.isnan(values), np.inf, values)), values.shape)
-    return float(values[at]), tuple(int(i) for i in at)
-
-
-def _number(value: float, unit: str) -> str:
-    return f"{value:.6g} {unit}".rstrip() if unit != "1" else f"{value:.6g}"
+        return {"certified": self.certified, "reasons": self.reasons, "advice": self.advice, **numbers}
 
 
 def _finite(value: float | tuple[str, ...] | None) -> float | tuple[str, ...] | None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from benchbench.ocp.scenario import NonNegative, Positive
+from benchbench.certificate.named import fitting
+from benchbench.ocp.scenario import Finite, NonNegative, Positive
 
 
 class ProblemLimits(BaseModel):
@@ -49,6 +50,8 @@ class Limits(ProblemLimits):
     gate_heading         its heading may be missed by more than the planner may by, rad
     segment_position     the replay from one gate to the next may miss the planned place of the latter by, m
     restart_seconds      the replay starts again from the planned state after so long, s; null: never
+    checks               further checks by name, an entry point of the group benchbench.checks or
+                         package.module.function, each with its limit; true: it needs none; null: not asked
     """
 
     node: Positive
@@ -67,3 +70,11 @@ class Limits(ProblemLimits):
     gate_heading: NonNegative = 0.01
     segment_position: Positive = 0.01
     restart_seconds: Positive | None = None
+    checks: dict[str, Finite | Literal[True] | None] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _checks_exist(self) -> Self:
+        for name, limit in self.checks.items():
+            if limit is not None:
+                fitting(name, limit)
+        return self

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchbench.certificate.certificate import Certificate
-from benchbench.certificate.checks import rate_ratio
+from benchbench.certificate.limited import Limited
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import Case
 from benchbench.planning.result import Result
@@ -64,13 +64,13 @@ def _raised(margins: Margins, found: Certificate, case: Case) -> Margins:
     """Margins with what the replay exceeded taken back; the same where it broke other limits only."""
     rates, contacts = dict(margins["rate_margin"]), dict(margins["contact_margin"])
     if found.flight is not None:
-        reached = np.max(rate_ratio(found.flight.velocity, case.model.velocity), axis=0)
+        reached = np.max(Limited.of(case.model.velocity, found.flight.velocity).ratio, axis=0)
         for name, ratio in zip(case.model.velocity.names, reached, strict=True):
             if ratio > case.limits.rate_ratio:
                 rates[name] = rates.get(name, 0.0) + AGAIN * float(ratio - case.limits.rate_ratio)
     limits = {name: c.limit for stop in case.scenario.itinerary.stops for name, c in stop.contacts.items()}
     for name, limit in limits.items():
-        flown = [c for c in found.checks if not c.ok and c.name.endswith(f"contact_{name}")]
+        flown = [c for c in found.broken if c.name == f"contact_{name}"]
         beyond = max((c.value - c.limit for c in flown), default=0.0)
         if beyond > 0 and np.isfinite(beyond):
             contacts[name] = contacts.get(name, 0.0) + AGAIN * beyond / limit + 1e-4

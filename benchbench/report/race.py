@@ -14,7 +14,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
 from benchbench.arrays import Array
-from benchbench.certificate.race import as_passed
+from benchbench.certificate.passing import as_passed
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import Model

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from benchbench.arrays import Array
-from benchbench.certificate.race import as_passed
+from benchbench.certificate.passing import as_passed
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import sample

@@ -1,0 +1,66 @@
+"""A check: one limit, what was measured against it, and what is said where it is broken."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchbench.arrays import Array
+
+
+@dataclass(frozen=True)
+class Check:
+    """One limit: its `value` against `limit` in `unit`; `reason` says in words why it failed, else "".
+
+    A value that is not a number never passes, whatever `ok` says. advice: what to change where it is broken.
+    """
+
+    name: str
+    value: float
+    limit: float
+    unit: str
+    ok: bool
+    reason: str = ""
+    advice: str = ""
+
+    def __post_init__(self) -> None:
+        """Fail what is not a number."""
+        if self.ok and math.isnan(self.value):
+            object.__setattr__(self, "ok", False)
+            object.__setattr__(self, "reason", f"{self.name} is not a number")
+
+
+Checks = Iterator[Check]
+
+
+def at_most(
+    name: str, what: str, value: float, limit: float, unit: str, where: str = "", verb: str = "reaches",
+    *, advice: str = "",
+) -> Check:  # fmt: skip
+    """Check value <= limit; NaN fails. `what` is the subject of the reason, `where` its place or time."""
+    if math.isnan(value):
+        return Check(name, value, limit, unit, False, f"{what} is not a number{where}", advice)
+    reason = f"{what} {verb} {_number(value, unit)}{where}, allowed {_number(limit, unit)}"
+    return Check(name, value, limit, unit, value <= limit, "" if value <= limit else reason, advice)
+
+
+def at_least(
+    name: str, what: str, value: float, limit: float, unit: str, slack: float = 0.0, *, advice: str = ""
+) -> Check:
+    """Check value >= limit - slack; NaN fails."""
+    ok = value >= limit - slack
+    reason = f"{what} is only {_number(value, unit)}, required {_number(limit, unit)}"
+    return Check(name, value, limit, unit, ok, "" if ok else reason, advice)
+
+
+def worst(values: Array) -> tuple[float, tuple[int, ...]]:
+    """Largest value of an array and where it stands; NaN counts as largest."""
+    at = np.unravel_index(np.argmax(np.where(np.isnan(values), np.inf, values)), values.shape)
+    return float(values[at]), tuple(int(i) for i in at)
+
+
+def _number(value: float, unit: str) -> str:
+    return f"{value:.6g} {unit}".rstrip() if unit != "1" else f"{value:.6g}"

@@ -1,0 +1,96 @@
+"""What a flight with stops is asked: ends, limits, dynamics, contacts, order."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from benchbench.certificate.audit import Audit, ContactEvidence, audit
+from benchbench.certificate.certificate import Measures
+from benchbench.certificate.checks.contacts import contact_flown, contact_planned
+from benchbench.certificate.checks.intervals import defect_angle, defect_position
+from benchbench.certificate.checks.nodes import planned_end, planned_limits, planned_start
+from benchbench.certificate.checks.replay import replay_angle, replay_end, replay_position, replay_rate
+from benchbench.certificate.checks.stops import stop_choice, stop_order
+from benchbench.certificate.difference import distance
+from benchbench.certificate.evidence import Given
+from benchbench.certificate.examination import Examination, examine
+from benchbench.certificate.limited import Limited
+from benchbench.certificate.numbers import flown
+from benchbench.certificate.replay import defects, replay
+from benchbench.ocp.plan import Plan
+from benchbench.ocp.scenario import Scenario
+
+PLANNED = (
+    planned_start, planned_end, planned_limits, defect_position, defect_angle, contact_planned, stop_choice, stop_order,
+)  # fmt: skip
+FLOWN = (replay_position, replay_angle, replay_rate, replay_end, contact_flown)
+
+MEASURED = (
+    ("position", "contact_max_distance_m"),
+    ("velocity", "contact_max_speed_gap_mps"),
+    ("heading", "contact_max_heading_error_rad"),
+)
+"""Contacts whose worst gap is recorded, and the column."""
+
+
+@examine.register
+def _handover(scenario: Scenario, given: Given) -> Examination[ContactEvidence]:
+    evidence = _evidence(scenario, given)
+    return Examination(evidence, PLANNED, FLOWN, Measures(**flown(evidence), **_numbers(evidence)))
+
+
+def _evidence(scenario: Scenario, given: Given) -> ContactEvidence:
+    """Limits are the same all along the flight."""
+    plan, model = given.plan, given.model
+    plant = model.plant()
+    flight = replay(plan, plant, restart_seconds=given.limits.restart_seconds)
+    room = scenario.limits(model)
+    with np.errstate(invalid="ignore"):
+        planned, dense = (plant.output(one.configuration, one.velocity) for one in (plan, flight))
+    rate = np.array([unit.endswith("/s") for unit in model.outputs.units], bool)
+    return ContactEvidence(
+        **vars(given), scenario=scenario, plant=plant, missed=defects(plan, plant), flight=flight,
+        planned={
+            "configuration": Limited.of(room, plan.configuration),
+            "velocity": Limited.of(model.velocity, plan.velocity),
+            "input": Limited.of(model.inputs, plan.inputs),
+            "output": Limited.of(model.outputs, planned),
+        },
+        room=Limited.of(room, flight.configuration).beside(Limited.of(model.outputs, dense)),
+        rates=Limited.of(model.velocity, flight.velocity).beside(
+            Limited.of(model.outputs, np.where(rate, dense, 0.0))
+        ),
+        audits=audit(plan, flight, scenario.itinerary, plant, given.limits),
+    )  # fmt: skip
+
+
+def _numbers(evidence: ContactEvidence) -> dict[str, Any]:
+    """Numbers of the record: the end, the whole of all contacts, the shortest of them, the worst gaps."""
+    plan, made = evidence.plan, evidence.made
+    missed = evidence.flight.configuration[-1:] - evidence.scenario.end_point(evidence.model)
+    numbers: dict[str, Any] = {
+        "replay_end_error_m": float(distance(plan, missed)[0]),
+        "contact_steps": min((one.steps for one in evidence.asked), default=0),
+        "stops": tuple(_spoken(plan, one) for one in made),
+        "reward_s": sum((one.stop.reward or 0.0 for one in made), 0.0),
+    }
+    if not made:
+        return numbers
+    spans = [plan.time[list(one.window or (0, 0))] for one in made]
+    numbers |= {
+        "contact_start_s": float(spans[0][0]),
+        "contact_end_s": float(spans[-1][1]),
+        "contact_duration_s": float(min(stop - start for start, stop in spans)),
+    }
+    for name, key in MEASURED:
+        worst = [one.replayed[name][one.worst_replayed(name)] for one in made if name in one.replayed]
+        if worst:
+            numbers[key] = float(max(worst))
+    return numbers
+
+
+def _spoken(plan: Plan, one: Audit) -> str:
+    first, last = one.window or (0, 0)
+    return f"{one.stop.name} {plan.time[first]:.3f} to {plan.time[last]:.3f} s"

@@ -1,0 +1,128 @@
+"""A check of one's own: one function and one line of YAML, and it is in the verdict, the record and the summary."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+from test_certificate import LIMITS, MODEL, crossing_plan, only_reason, task
+
+import benchbench as bb
+from benchbench import pipeline
+from benchbench.certificate.certify import certify
+from benchbench.certificate.limits import Limits
+from benchbench.errors import BadInput
+from benchbench.planning.result import Answer
+from benchbench.run import config, summary
+from benchbench.storage.flight import flight_of
+from benchbench.storage.flight_csv import to_csv
+
+FLIGHT = ("+scenario=race", "scenario.gates=1", "scenario.nodes_per_gate=20")
+YAML = "defaults: [task, _self_]\nchecks: {test_checks.acceleration: 0.1}\n"
+
+
+def acceleration(evidence: bb.Evidence, limit: float) -> bb.Check:
+    """The largest change of a planned velocity in x, per second."""
+    change = np.abs(np.diff(evidence.plan.velocity[:, 0]) / np.diff(evidence.plan.time))
+    value, (k,) = bb.worst(change)
+    return bb.at_most(
+        "acceleration", "acceleration", value, limit, "m/s^2", f" at node {k}", advice="fly slower"
+    )
+
+
+def present(evidence: bb.Evidence) -> Iterator[bb.Check]:
+    """All the evidence is there, of every state component."""
+    for values in (evidence.missed.configuration, evidence.missed.velocity, evidence.flight.velocity):
+        yield bb.Check("present", float(values.size), 0.0, "1", bool(np.isfinite(values).all()))
+
+
+def unknown(evidence: bb.Evidence) -> bb.Check:
+    """It says that what is not a number is right."""
+    return bb.Check("unknown", np.nan, 1.0, "m", True)
+
+
+def opinion(evidence: bb.Evidence) -> bool:
+    """It gives no check."""
+    return True
+
+
+def test_one_function_and_one_line_of_yaml(tmp_path: Path) -> None:
+    """A plan that is certified as it is, read from a file and judged by one check more."""
+    done = pipeline.run(config.compose(*FLIGHT))
+    assert done.certificate.certified and not isinstance(done.result, Answer)
+    (tmp_path / "plan.csv").write_text(to_csv(flight_of(done.result.plan)))
+    (tmp_path / "certificate").mkdir()
+    (tmp_path / "certificate" / "mine.yaml").write_text(YAML)
+    mine = (f"hydra.searchpath=[file://{tmp_path}]", "certificate=mine")
+    foreign = ("strategy=foreign", f"strategy.file={tmp_path}/plan.csv")
+    judged = pipeline.run(config.compose(*FLIGHT, *mine, *foreign))
+    (reason,) = judged.certificate.reasons
+    assert reason.startswith("acceleration reaches ") and reason.endswith("allowed 0.1 m/s^2")
+    assert judged.certificate.advice == "fly slower"
+    assert judged.record["certified"] is False and judged.record["reasons"] == [reason]
+    said = io.StringIO()
+    summary.show(judged.record, {}, Console(file=said, width=200))
+    assert f"- {reason}" in said.getvalue()
+    weaker = config.compose(*FLIGHT, *mine, "certificate.checks={test_checks.acceleration: 100}")
+    assert certify(done.result.plan, weaker.scenario, weaker.model, weaker.limits).certified
+    tasks = (config.compose(*FLIGHT), config.compose(*FLIGHT, *mine), weaker)
+    assert len({case.task_hash for case in tasks}) == 3
+
+
+def limits(**checks: object) -> Limits:
+    return Limits(**(LIMITS.model_dump() | {"checks": {f"test_checks.{k}": v for k, v in checks.items()}}))
+
+
+def test_further_checks_are_asked_of_all_the_evidence() -> None:
+    plan = crossing_plan()
+    found = certify(plan, task(plan), MODEL, limits(present=True, acceleration=100.0, unknown=None))
+    assert found.certified
+    assert [check.name for check in found.checks][-4:] == ["present", "present", "present", "acceleration"]
+
+
+def test_what_is_not_a_number_passes_no_check() -> None:
+    plan = crossing_plan()
+    assert only_reason(certify(plan, task(plan), MODEL, limits(unknown=True))) == "unknown is not a number"
+    assert not bb.at_most("x", "x", np.nan, 1.0, "m").ok and not bb.at_least("x", "x", np.nan, 1.0, "m").ok
+    assert not bb.at_most("x", "x", 1.0, np.nan, "m").ok and not bb.at_least("x", "x", 1.0, np.nan, "m").ok
+
+
+@pytest.mark.parametrize(
+    ("name", "limit", "said"),
+    [
+        ("nothing", 1.0, "checks.nothing: there is no such check; allowed: package.module.function"),
+        ("no_module.f", 1.0, "cannot be loaded: ModuleNotFoundError"),
+        ("test_checks.nothing", 1.0, "there is no such check"),
+        ("test_checks.YAML", 1.0, "is no function"),
+        ("test_checks.acceleration", True, "needs a limit; allowed: a number"),
+        ("test_checks.present", 1.0, "takes no limit; allowed: true"),
+    ],
+)
+def test_a_check_that_cannot_be_asked_is_bad_input(name: str, limit: object, said: str) -> None:
+    with pytest.raises(BadInput, match=said):
+        Limits(**(LIMITS.model_dump() | {"checks": {name: limit}}))
+
+
+def test_what_gives_no_check_is_bad_input() -> None:
+    plan = crossing_plan()
+    with pytest.raises(BadInput, match="opinion: gives a bool"):
+        certify(plan, task(plan), MODEL, limits(opinion=True))
+
+
+def test_installed_packages_give_their_checks_short_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    info = tmp_path / "stranger-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: stranger\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[benchbench.checks]\nsmooth = test_checks:acceleration\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    plan = crossing_plan()
+    told = Limits(**(LIMITS.model_dump() | {"checks": {"smooth": 0.1}}))
+    assert "acceleration reaches" in only_reason(certify(plan, task(plan), MODEL, told))
+    with pytest.raises(BadInput, match=r"allowed: smooth, package\.module\.function"):
+        Limits(**(LIMITS.model_dump() | {"checks": {"smoth": 0.1}}))
