@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,8 +17,7 @@ from benchbench import pipeline
 from benchbench.certificate.certify import certify
 from benchbench.certificate.limits import Limits
 from benchbench.errors import BadInput
-from benchbench.planning.result import Answer
-from benchbench.run import config, summary
+from benchbench.run import config, summary, trust
 from benchbench.storage.flight import flight_of
 from benchbench.storage.flight_csv import to_csv
 
@@ -53,7 +53,7 @@ def opinion(evidence: bb.Evidence) -> bool:
 def test_one_function_and_one_line_of_yaml(tmp_path: Path) -> None:
     """A plan that is certified as it is, read from a file and judged by one check more."""
     done = pipeline.run(config.compose(*FLIGHT))
-    assert done.certificate.certified and not isinstance(done.result, Answer)
+    assert done.certificate.certified
     (tmp_path / "plan.csv").write_text(to_csv(flight_of(done.result.plan)))
     (tmp_path / "certificate").mkdir()
     (tmp_path / "certificate" / "mine.yaml").write_text(YAML)
@@ -105,6 +105,16 @@ def test_what_is_not_a_number_passes_no_check() -> None:
 def test_a_check_that_cannot_be_asked_is_bad_input(name: str, limit: object, said: str) -> None:
     with pytest.raises(BadInput, match=said):
         Limits(**(LIMITS.model_dump() | {"checks": {name: limit}}))
+
+
+def test_a_stored_configuration_names_no_function_by_its_path() -> None:
+    stored: dict[str, Any] = {
+        "certificate": {"_target_": "benchbench.certificate.limits.Limits", "checks": {"smooth": 1.0}}
+    }
+    trust.check(stored, "configuration")
+    stored["certificate"]["checks"] = {"test_checks.acceleration": 1.0}
+    with pytest.raises(BadInput, match=r"checks\.test_checks\.acceleration: stands in a stored"):
+        trust.check(stored, "configuration")
 
 
 def test_what_gives_no_check_is_bad_input() -> None:

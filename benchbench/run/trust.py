@@ -50,6 +50,11 @@ def _check_node(node: dict[Any, Any], place: str, families: Collection[str]) -> 
     for key in SPECIAL:
         if key in node:
             raise BadInput(f"{place}.{key}", "stands in a stored configuration", "nothing but values")
+    checks = node.get("checks")
+    for name in checks if isinstance(checks, dict) else ():
+        if "." in str(name):
+            problem = "stands in a stored configuration and cannot be loaded: it is a function by its path"
+            raise BadInput(f"{place}.checks.{name}", problem, "a check that an installed package registers")
 
 
 def _installed(target: str, families: Collection[str]) -> bool:
