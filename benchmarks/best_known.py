@@ -8,7 +8,7 @@
 
 Ordinary isolated sweeps, one per grid, resumed where they were interrupted (docs/sweeps.md): a clean checkout, since a run
 counts only for the commit that made it. What is found is kept in best_known.yaml of the output folder after each grid; the
-last command merges it into results/best_known.yaml. `strategy=phases` takes the margins that the replay asks for, so that
+last command merges it into references/best_known.yaml. `strategy=phases` takes the margins that the replay asks for, so that
 no limit is kept more strictly than the certificate needs.
 """
 

@@ -4,7 +4,7 @@
     OMP_NUM_THREADS=1 python benchmarks/robustness.py --strategies phases --grids 100 --seeds 1 2 3
     OMP_NUM_THREADS=1 python benchmarks/robustness.py --strategies relaxation=scholtes,paper --by method
     OMP_NUM_THREADS=1 python benchmarks/robustness.py --only-table --by method N
-    python benchmarks/robustness.py --output results/relaxations.csv --only-table --by method scenario
+    python benchmarks/robustness.py --output references/relaxations.csv --only-table --by method scenario
 
 One ordinary, isolated, resumable sweep per strategy: scenarios x N x seeds; a seed above 0 disturbs contact time, travel
 time, path and inputs of the start. A strategy may be any overrides: `relaxation=NAME` takes strategy=relax and guess=phases
@@ -14,7 +14,7 @@ where commits go on, run this in a clone of its own.
 `--keep FILE.csv` writes what the tables are made of, and `--output FILE.csv --only-table` makes them from it.
 
 Prints a Markdown table of the runs in the folder with these N and seeds, one line per method, scenario and N, or per `--by`.
-The best known travel time of a task is the best certified one of these runs and of results/best_known.yaml; travel times and
+The best known travel time of a task is the best certified one of these runs and of references/best_known.yaml; travel times and
 their spread are those of claimed plans, certified or not; "claimed near it" counts those of them that are within 0.5 % of
 that best one: the contact was found, whatever the certificate says. CPU seconds and iterations are those of a run's solvers, guess
 included.

@@ -215,19 +215,19 @@ def test_a_run_tells_its_gap_and_what_beats_it(tmp_path: Path) -> None:
     task = ("+scenario=static", *SMALL)
     plan = pipeline.run(config.compose(*task)).record
     assert plan["certified"] and plan["best_known_s"] is None and plan["gap_percent"] is None
-    file = tmp_path / "results" / "best_known.yaml"
-    told = {
+    file = tmp_path / "references" / "best_known.yaml"
+    entry = {
         "task_hash": plan["task_hash"],
         "travel_time_s": plan["travel_time_s"] / 1.02,
         "command": "+scenario=static",
     }
-    BestKnown({plan["task_hash"]: told}).save(file)
+    BestKnown({plan["task_hash"]: entry}).save(file)
     above = told(tmp_path, *task, "picture=false")
     assert (
-        f"best known {told['travel_time_s']:.4f} s, +2.000 %" in above.stdout
+        f"best known {entry['travel_time_s']:.4f} s, +2.000 %" in above.stdout
         and "new best" not in above.stdout
     )
-    BestKnown({plan["task_hash"]: told | {"travel_time_s": plan["travel_time_s"] * 1.01}}).save(file)
+    BestKnown({plan["task_hash"]: entry | {"travel_time_s": plan["travel_time_s"] * 1.01}}).save(file)
     below = told(tmp_path, *task, "picture=false")
     assert "new best" in below.stdout
     gaps = [r["gap_percent"] for r in sorted(records(tmp_path), key=lambda r: r["started_at"])]

@@ -24,7 +24,7 @@ from benchbench.run import config, settings
 from benchbench.run.failure import failed, reason
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.progress import LiveLine
-from benchbench.storage.best_known import BEST_KNOWN, BestKnown, packaged
+from benchbench.storage.best_known import BEST_KNOWN, REFERENCES, BestKnown, packaged
 from benchbench.storage.contents import contents
 from benchbench.storage.files import RECORD, vacate, write_record
 from benchbench.storage.schema import Record
@@ -59,6 +59,12 @@ class Place:
         combination = " ".join(run.overrides.task) if run.mode == RunMode.MULTIRUN else ""
         labels = {"run_id": _run_id(folder, root), "config_hash": config_hash(cfg)}
         return cls(folder, root, dict(run.runtime.choices), combination, labels, time.time())
+
+    @property
+    def references(self) -> tuple[Path, Path]:
+        """Where best known values of one's own are kept: in the folder of results, or beside it."""
+        beside = Path(HydraConfig.get().runtime.cwd, REFERENCES)
+        return self.root / BEST_KNOWN, beside / BEST_KNOWN
 
     @property
     def stored(self) -> bool:
@@ -168,7 +174,7 @@ def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
     case = config.build(cfg, place.chosen)
     how = settings.Settings.of(cfg)
     _check_writable(place.root)
-    known = BestKnown.load(packaged(), place.root / BEST_KNOWN)
+    known = BestKnown.load(packaged(), *place.references)
     told = instantiate(cfg.on_step) if cfg.get("on_step") else None
     own = OmegaConf.masked_copy(
         cfg, [str(key) for key in cfg if key != "on_step"]

@@ -1,4 +1,4 @@
-"""The best certified travel time known for each task, and the command that gives it: `results/best_known.yaml`."""
+"""The best certified travel time known for each task, and the command that gives it: `references/best_known.yaml`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from benchbench.errors import BadInput
 from benchbench.storage.files import write_bytes
 from benchbench.storage.schema import Record
 
-BEST_KNOWN = "best_known.yaml"
+BEST_KNOWN, REFERENCES = "best_known.yaml", "references"
+"""Name of the file, and of the folder where it and other references are kept: no results, so that those can be deleted."""
 SAME = 1e-6
 """Relative difference up to which two travel times are the same."""
 IDENTITY = ("scenario", "kappa_init", "vehicle", "dynamics", "intervals")
@@ -67,7 +68,7 @@ def packaged() -> Path:
     """The file that comes with BenchBench: of the installed package, else of the checkout."""
     here = Path(__file__).resolve().parents[1]
     installed = here / BEST_KNOWN
-    return installed if installed.is_file() else here.parent / "results" / BEST_KNOWN
+    return installed if installed.is_file() else here.parent / REFERENCES / BEST_KNOWN
 
 
 def net_time(record: Mapping[str, Any]) -> float | None:

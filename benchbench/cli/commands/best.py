@@ -22,7 +22,8 @@ examples
   benchbench best results/runs/2026-01-01/12-00-00-000000
   benchbench best results --file mine.yaml
 
-Runs look up the file that comes with BenchBench and best_known.yaml in their folder of results (`output`).
+Runs look up the file that comes with BenchBench, references/best_known.yaml and best_known.yaml in their folder of
+results (`output`).
 """
 
 
@@ -115,12 +116,12 @@ def _told(new: Entry, old: Entry | None) -> str:
 
 
 def _parser() -> Parser:
-    from benchbench.storage.best_known import BEST_KNOWN
+    from benchbench.storage.best_known import BEST_KNOWN, REFERENCES
 
     parser = Parser("best", "Merge certified plans into the file of best known values.", EPILOG)
     parser.add_argument(
         "folders", nargs="+", type=Path, metavar="DIR", help="a run's folder, or folders with runs"
     )
-    default = Path("results", BEST_KNOWN)
+    default = Path(REFERENCES, BEST_KNOWN)
     parser.add_argument("--file", type=Path, default=default, help=f"what is updated (default: {default})")
     return parser

@@ -47,7 +47,7 @@ def _parser() -> Parser:
     parser = Parser("regress", "Has anything become worse? See docs/regression.md.")
     parser.add_argument(
         "--baseline",
-        default="results/baseline",
+        default="references/baseline",
         metavar="DIR",
         help="folder of matrix.yaml and baseline.json",
     )
