@@ -1,0 +1,74 @@
+"""`benchbench runs [DIR]`: list the runs of a folder of results, remove some, take in those of other folders."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from benchbench.cli.arguments import Parser
+from benchbench.errors import BadInput
+
+if TYPE_CHECKING:
+    from benchbench.storage.runs import Stored
+
+EXAMPLES = """examples
+  benchbench runs                                        the runs below results
+  benchbench runs results --status timeout               those of one status
+  benchbench runs results --remove RUN_ID                its folder and its row
+  benchbench runs results --remove-orphans               rows whose folder was deleted
+  benchbench runs all --merge results ../other/results   copy the runs of other folders into one
+"""
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Do what is asked and say what was done; raises BadInput."""
+    from benchbench.storage.runs import merge, remove, stored
+
+    asked = _parser().parse_args(arguments)
+    if asked.merge:
+        made = merge(asked.folder, asked.merge)
+        print(f"{len(made)} runs copied into {asked.folder}")
+        return 0
+    orphans = [run.name for run in stored(asked.folder) if run.folder is None] if asked.remove_orphans else []
+    if asked.remove or asked.remove_orphans:
+        for gone in remove(asked.folder, [*asked.remove, *orphans]):
+            print(f"removed {_line(gone)}")
+        return 0
+    runs = [run for run in stored(asked.folder) if asked.status in (None, run.record["status"])]
+    for found in runs:
+        print(_line(found))
+    lost = sum(found.folder is None for found in runs)
+    print(f"{len(runs)} runs" + (f", {lost} without a folder (--remove-orphans)" if lost else ""))
+    return 0
+
+
+def _line(run: Stored) -> str:
+    time = run.record["travel_time_s"]
+    told = "" if time is None else f"  {time:.4f} s"
+    place = run.folder or "its folder is gone"
+    return f"{run.name}  {run.record['scenario'] or ''}  {run.record['status'] or ''}{told}  {place}"
+
+
+def _parser() -> Parser:
+    from benchbench.storage.status import Status
+
+    parser = Parser("runs", "List, remove and merge the runs of a folder of results.", EXAMPLES)
+    parser.add_argument(
+        "folder", nargs="?", type=Path, default=Path("results"), metavar="DIR", help="default: results"
+    )
+    parser.add_argument("--status", type=_status, help="list those only: " + ", ".join(Status))
+    parser.add_argument("--remove", nargs="+", default=[], metavar="RUN", help="run_ids, or folders of runs")
+    parser.add_argument("--remove-orphans", action="store_true", help="remove rows whose folder was deleted")
+    parser.add_argument(
+        "--merge", nargs="+", type=Path, default=[], metavar="OTHER", help="folders of results"
+    )
+    return parser
+
+
+def _status(text: str) -> str:
+    from benchbench.storage.status import Status
+
+    if text not in list(Status):
+        raise BadInput("--status", f"there is no status '{text}'", ", ".join(Status))
+    return text
