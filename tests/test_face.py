@@ -8,9 +8,11 @@ from functools import cache
 from io import BytesIO
 from pathlib import Path
 
+import nbformat
 import numpy as np
 import pandas as pd
 import pytest
+from nbclient import NotebookClient
 from PIL import Image
 
 import benchbench as bb
@@ -239,3 +241,20 @@ def test_no_name_of_the_face_hides_a_room() -> None:
     rooms = {p.stem for p in (ROOT / "benchbench").iterdir()}
     assert not rooms & set(bb.__all__)
     assert all(getattr(bb, name) is not None for name in bb.__all__)
+
+
+def test_the_notebook_says_what_it_shows(tmp_path: Path) -> None:
+    book = nbformat.read(ROOT / "examples" / "first_steps.ipynb", 4)
+    code = [cell for cell in book.cells if cell.cell_type == "code"]
+    assert all(cell.outputs == [] and cell.execution_count is None for cell in code), (
+        "outputs are not committed"
+    )
+    NotebookClient(book, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    shown = [output for cell in code for output in cell.outputs]
+    assert {output.output_type for output in shown} == {"execute_result", "stream"}
+    kinds = [set(output.get("data", ())) for output in shown]
+    assert {"text/plain", "text/html", "image/png"} in kinds, "a run"
+    assert {"text/plain", "image/png"} in kinds, "a figure without pyplot"
+    (said,) = (output.text for output in shown if output.output_type == "stream")
+    assert "NOT certified" in said and "'motor_3' exceeds its limits" in said
+    assert bb.runs(tmp_path / "results").certified.tolist() == [True, False]

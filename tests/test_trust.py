@@ -23,6 +23,7 @@ from benchbench.mpcc.cache import cache_root, private
 from benchbench.run import config, trust
 from benchbench.storage.configuration import DEEPEST, LARGEST, configuration, read
 from benchbench.storage.formats import csv
+from benchbench.storage.schema import make_record
 from benchbench_plugins.collections.nosbench import MpccFile
 from benchbench_plugins.collections.serialized import foreign
 
@@ -120,7 +121,7 @@ def test_stored_overrides_are_data(
 ) -> None:
     canary = tmp_path / "canary"
     folder = theirs / "runs" / "one"
-    record = pipeline.make_record(
+    record = make_record(
         run_id="one", status="certified", certified=True, travel_time_s=1.0, task_hash="0123456789abcdef"
     )
     (folder / ".hydra").mkdir()

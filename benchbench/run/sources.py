@@ -24,8 +24,8 @@ from benchbench.storage.files import PLAN, RECORD, SOLUTION, write_bytes
 from benchbench.storage.playback import Recording, read_mcap
 from benchbench.storage.schema import Record
 
-KEPT = (PLACES[0], RECORD, PLAN, "plan.png", SOLUTION)
-"""Files of a run that go with it."""
+KEPT = (PLACES[0], PLAN, "plan.png", SOLUTION, RECORD)
+"""Files of a run that go with it; the record last, as it says that the others are there."""
 
 
 @final
