@@ -158,6 +158,12 @@ def config_hash(cfg: DictConfig) -> str:
     return hashlib.sha256("".join([text, *contents(decisive)]).encode()).hexdigest()[:16]
 
 
+def written(cfg: DictConfig) -> str:
+    """Return the configuration as YAML, as it stands beside a plan; a study's part stays out of the files."""
+    own = OmegaConf.masked_copy(cfg, [str(key) for key in cfg if key != "on_step"])
+    return OmegaConf.to_yaml(own, resolve=True)
+
+
 def _complaint(error: Exception, told: Exception) -> Complaint:
     trace = "".join(traceback.format_exception(error))
     if isinstance(told, KILLED):
@@ -176,14 +182,10 @@ def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
     _check_writable(place.root)
     known = BestKnown.load(packaged(), *place.references)
     told = instantiate(cfg.on_step) if cfg.get("on_step") else None
-    own = OmegaConf.masked_copy(
-        cfg, [str(key) for key in cfg if key != "on_step"]
-    )  # a study's part stays out of the files
     with LiveLine(told) as line:
         done = pipeline.run(case, line, place.labels, how.repeats, known)
         line.stage("files", None)
-        text = OmegaConf.to_yaml(own, resolve=True)
-        return done, pipeline.write(done, place.folder, place.root, text, how.picture)
+        return done, pipeline.write(done, place.folder, place.root, written(cfg), how.picture)
 
 
 def _check_writable(root: Path) -> None:

@@ -20,11 +20,11 @@ from benchbench.run.stored import limits, scene_parts
 from benchbench.run.summary import flies
 from benchbench.run.view import Source
 from benchbench.storage.configuration import PLACES, configuration
-from benchbench.storage.files import PLAN, RECORD, SOLUTION, write_bytes
+from benchbench.storage.files import CONFIG, PICTURE, PLAN, RECORD, SOLUTION, vacate, write_bytes
 from benchbench.storage.playback import Recording, read_mcap
 from benchbench.storage.schema import Record
 
-KEPT = (PLACES[0], PLAN, "plan.png", SOLUTION, RECORD)
+KEPT = (CONFIG, PLAN, PICTURE, SOLUTION, RECORD)
 """Files of a run that go with it; the record last, as it says that the others are there."""
 
 
@@ -35,6 +35,7 @@ class Live(Source):
 
     done: pipeline.Run
     config: str
+    picture: bool
 
     def plan(self) -> Plan | None:
         """Return it."""
@@ -53,7 +54,7 @@ class Live(Source):
 
     def save(self, folder: Path, table: Path) -> None:
         """Write as the program does."""
-        pipeline.write(self.done, folder, table, self.config)
+        pipeline.write(self.done, folder, table, self.config, self.picture)
 
 
 @final
@@ -85,9 +86,11 @@ class Stored(Source):
         """Copy what is there."""
         from benchbench.storage.table import append
 
-        for name in KEPT:
-            if (self.folder / name).is_file() and folder.resolve() != self.folder.resolve():
-                write_bytes(folder / name, (self.folder / name).read_bytes())
+        if folder.resolve() != self.folder.resolve():
+            vacate(folder)
+            for name in KEPT:
+                if (self.folder / name).is_file():
+                    write_bytes(folder / name, (self.folder / name).read_bytes())
         append(self.record, table)
 
     @property
@@ -114,6 +117,6 @@ class Stored(Source):
     def _configuration(self) -> dict[str, Any]:
         tree = configuration(self.folder)
         if tree is None:
-            problem = f"there is no {PLACES[0]} that can be read in '{self.folder}'"
+            problem = f"there is no {CONFIG} that can be read in '{self.folder}'"
             raise BadInput("config", problem, "the folder of a run with its configuration")
         return tree

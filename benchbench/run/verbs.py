@@ -8,7 +8,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig
 
 from benchbench import pipeline
 from benchbench.errors import BadInput
@@ -16,13 +16,13 @@ from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.planning.case import Case, ReadyCase
 from benchbench.planning.given import Given
 from benchbench.run import config
-from benchbench.run.execution import config_hash
+from benchbench.run.execution import config_hash, written
 from benchbench.run.overrides import quoted
 from benchbench.run.progress import LiveLine
 from benchbench.run.settings import Settings
 from benchbench.run.sources import Live, Stored
 from benchbench.run.view import RunView
-from benchbench.storage.best_known import BEST_KNOWN, BestKnown, packaged
+from benchbench.storage.best_known import BEST_KNOWN, REFERENCES, BestKnown, packaged
 from benchbench.storage.files import PLAN, RECORD
 
 if TYPE_CHECKING:
@@ -118,12 +118,12 @@ def _run(case: Case | ReadyCase, cfg: DictConfig) -> RunView:
             raise BadInput(
                 name, "can only be kept in a process of its own", "null, time_limit, or the program"
             )
-    known = BestKnown.load(packaged(), Path(str(cfg.output), BEST_KNOWN))
+    known = BestKnown.load(packaged(), *(Path(place, BEST_KNOWN) for place in (str(cfg.output), REFERENCES)))
     labels = {"run_id": f"python_{datetime.now():%Y-%m-%d_%H-%M-%S-%f}", "config_hash": config_hash(cfg)}
-    text = OmegaConf.to_yaml(cfg, resolve=True)
+    text, how = written(cfg), Settings.of(cfg)
     with LiveLine() as line:
-        done = pipeline.run(case, line, labels, Settings.of(cfg).repeats, known)
-    return RunView(done.record, text, Live(done, text))
+        done = pipeline.run(case, line, labels, how.repeats, known)
+    return RunView(done.record, text, Live(done, text, how.picture))
 
 
 def _plan(given: pd.DataFrame | Plan, case: Case) -> Plan:
