@@ -234,9 +234,30 @@ class OtherLimit(Velocity):  # type: ignore[misc]
         return Condition((inner.h + 1) / 1.05**2 - 1, inner.unit, inner.limit)
 
 
+class TooNear(Position):  # type: ignore[misc]
+    """It holds farther away than it says: bounds on the travel time would be wrong."""
+
+    @property
+    def reach(self) -> float:
+        return 0.9 * self.limit
+
+
+class OnTheWay(Velocity):  # type: ignore[misc]
+    """It holds anywhere, but says that it needs nearness."""
+
+    aside = ""
+
+    @property
+    def reach(self) -> float:
+        return 0.02
+
+
 @pytest.mark.parametrize(
     ("broken", "check", "says"),
     [
+        (TooNear(0.02), contacts.check_reach, "beyond its reach of 0.018 m"),
+        (OnTheWay(0.01), contacts.check_reach, "beyond its reach of 0.02 m"),
+        (OnTheWay(0.01), contacts.check_words, "aside is ''"),
         (BareNorm(0.02), contacts.check_smoothness, "not finite"),
         (BareNorm(0.02), contacts.check_scale, "misses the gap"),
         (OtherLimit(0.01), contacts.check_meaning, "disagree"),

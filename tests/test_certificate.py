@@ -92,8 +92,8 @@ def test_a_good_flight_is_certified(good: Plan) -> None:
     assert record["certified"] is True
     assert record["contact_steps"] == 2
     assert record["contact_duration_s"] == pytest.approx(0.08)
-    assert record["contact_max_distance_m"] < 1e-3
-    assert 0 < record["contact_max_speed_gap_mps"] < 0.015
+    assert record["contact_gaps"]["position"] < 1e-3
+    assert 0 < record["contact_gaps"]["velocity"] < 0.015
     assert record["replay_defect_position_m"] < 1e-6
     assert record["replay_end_error_m"] < 1e-4
     assert certificate.flight is not None

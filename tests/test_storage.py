@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -29,6 +30,7 @@ from benchbench.errors import BadInput
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench.storage import provenance, table
+from benchbench.storage.collect import collect
 from benchbench.storage.files import replacing, write_bytes, write_record
 from benchbench.storage.recording import write_mcap
 from benchbench.storage.schema import COLUMNS, SCHEMA_VERSION, Status, make_record
@@ -82,7 +84,7 @@ def test_every_column_is_documented_once() -> None:
     names = [column.name for column in COLUMNS]
     assert len(names) == len(set(names))
     assert all(column.meaning for column in COLUMNS)
-    for suffix, unit in (("_s", "s"), ("_mps", "m/s"), ("_rad", "rad"), ("_m", "m"), ("_mb", "MB")):
+    for suffix, unit in (("_s", "s"), ("_rad", "rad"), ("_m", "m"), ("_mb", "MB")):
         assert {c.unit for c in COLUMNS if c.name.endswith(suffix)} == {unit}
     assert "hostname" not in names
 
@@ -261,10 +263,29 @@ def test_older_rows_still_open(tmp_path: Path) -> None:
 def test_a_record_of_version_1_still_opens(tmp_path: Path) -> None:
     path = Path(__file__).parent / "records" / "version_1.json"
     stored, found = json.loads(path.read_text()), table.load_record(path)
+    gaps = {"position": "distance_m", "velocity": "speed_gap_mps", "heading": "heading_error_rad"}
+    gone = {name: stored.pop(f"contact_max_{column}") for name, column in gaps.items()}
     assert found["schema_version"] == 1 and {name: found[name] for name in stored} == stored
-    assert {name for name in found if name not in stored and found[name] is not None} == set()
+    assert found["contact_gaps"] == gone
+    assert found["contact_gaps_said"] == ["19.1 mm apart", "10.5 mm/s relative", "99.9 mrad off heading"]
+    new = {name for name in found if name not in stored and found[name] is not None}
+    assert new == {"contact_gaps", "contact_gaps_said"}
     table.append(found, tmp_path)
-    assert table.read(tmp_path).travel_time_s.tolist() == [stored["travel_time_s"]]
+    (row,) = table.read(tmp_path).to_dict("records")
+    assert row["travel_time_s"] == stored["travel_time_s"] and row["contact_gaps"] == gone
+
+
+def test_a_record_and_a_row_of_version_2_say_the_same(tmp_path: Path) -> None:
+    folder = Path(__file__).parent / "records"
+    found = table.load_record(folder / "version_2.json")
+    (tmp_path / "table").mkdir()
+    shutil.copy(folder / "version_2.parquet", tmp_path / "table")
+    (row,) = table.read(tmp_path).to_dict("records")
+    for name in ("contact_gaps", "travel_time_s", "gap_percent", "stops"):
+        assert row[name] == found[name], name
+    assert list(row["contact_gaps_said"]) == found["contact_gaps_said"] != []
+    collected = collect([tmp_path]).rows.to_pylist()[0]
+    assert dict(collected["contact_gaps"]) == found["contact_gaps"]
 
 
 def test_rebuild_from_records(tmp_path: Path) -> None:

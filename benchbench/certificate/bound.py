@@ -31,8 +31,8 @@ def lower_bound(scenario: Scenario, model: Model, plant: Plant) -> float:
 def sequence_bound(scenario: Scenario, made: Sequence[Stop], model: Model, plant: Plant) -> float:
     """Return a time in s that no plan that keeps its limits and makes these stops in this order can beat.
 
-    Axis i needs |p_end - p_start|_i / v_max,i. Where contact asks for a distance `nu_max` ("position" among the contacts),
-    the vehicle must also be at some time t within the arm's reach plus nu_max of the target on every axis, at
+    Axis i needs |p_end - p_start|_i / v_max,i. Where contact asks for nearness (`Stop.reach`, the paper's nu_max), the
+    vehicle must also be at some time t within the arm's reach plus that of the target on every axis, at
     times that follow each other for all stops, and needs the time from the last one to the end. From stop to stop
     each axis may choose its own time at the stop before, which can only make the bound smaller.
     """
@@ -42,16 +42,16 @@ def sequence_bound(scenario: Scenario, made: Sequence[Stop], model: Model, plant
     speed = model.velocity.upper[index]
     start, end = scenario.start_point(model)[index], scenario.end_point(model)[index]
     direct = float(np.max(np.abs(end - start) / speed))
-    touched = [stop for stop in made if "position" in stop.contacts]
+    touched = [(stop.target, stop.reach) for stop in made if stop.reach is not None]
     if not touched:
         return direct
     time = np.arange(0.0, scenario.travel_time[1], STEP)
     arm, late = arm_reach(model, plant), speed * (time[:, None] + STEP)
     low, high, near = start - late, start + late, 0.0
     ready = np.ones(len(time), bool)
-    for stop in touched:
-        target, moving = sample(stop.target, time)
-        close = arm + stop.contacts["position"].limit + STEP * np.max(np.abs(moving), axis=0)
+    for motion, reach in touched:
+        target, moving = sample(motion, time)
+        close = arm + reach + STEP * np.max(np.abs(moving), axis=0)
         at = ready & np.all((target >= low - close - near) & (target <= high + close + near), axis=1)
         ready = np.logical_or.accumulate(at)
         away = speed * time[:, None]

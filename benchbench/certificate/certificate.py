@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from benchbench.certificate.check import Check
 from benchbench.certificate.replay import Replay
 
-Record = dict[str, bool | float | str | tuple[str, ...] | None]
+Record = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -26,9 +28,8 @@ class Measures:
     contact_end_s: float | None = None
     contact_steps: float | None = None
     contact_duration_s: float | None = None
-    contact_max_distance_m: float | None = None
-    contact_max_speed_gap_mps: float | None = None
-    contact_max_heading_error_rad: float | None = None
+    contact_gaps: Mapping[str, float] | None = None
+    contact_gaps_said: tuple[str, ...] | None = None
     max_rate_ratio: float | None = None
     stops: tuple[str, ...] | None = None
     reward_s: float | None = None
@@ -74,5 +75,7 @@ class Certificate:
         return {"certified": self.certified, "reasons": self.reasons, "advice": self.advice, **numbers}
 
 
-def _finite(value: float | tuple[str, ...] | None) -> float | tuple[str, ...] | None:
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _finite(number) for name, number in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value

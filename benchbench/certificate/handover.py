@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from benchbench.certificate.audit import Audit, ContactEvidence, audit
 from benchbench.certificate.certificate import Measures
+from benchbench.certificate.check import worst
 from benchbench.certificate.checks.contacts import contact_flown, contact_planned
 from benchbench.certificate.checks.intervals import defect_angle, defect_position
 from benchbench.certificate.checks.nodes import planned_end, planned_limits, planned_start
@@ -19,6 +21,7 @@ from benchbench.certificate.examination import Examination, examine
 from benchbench.certificate.limited import Limited
 from benchbench.certificate.numbers import flown
 from benchbench.certificate.replay import defects, replay
+from benchbench.ocp.contact import Contact, in_words
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 
@@ -26,13 +29,6 @@ PLANNED = (
     planned_start, planned_end, planned_limits, defect_position, defect_angle, contact_planned, stop_choice, stop_order,
 )  # fmt: skip
 FLOWN = (replay_position, replay_angle, replay_rate, replay_end, contact_flown)
-
-MEASURED = (
-    ("position", "contact_max_distance_m"),
-    ("velocity", "contact_max_speed_gap_mps"),
-    ("heading", "contact_max_heading_error_rad"),
-)
-"""Contacts whose worst gap is recorded, and the column."""
 
 
 @examine.register
@@ -84,11 +80,22 @@ def _numbers(evidence: ContactEvidence) -> dict[str, Any]:
         "contact_end_s": float(spans[-1][1]),
         "contact_duration_s": float(min(stop - start for start, stop in spans)),
     }
-    for name, key in MEASURED:
-        worst = [one.replayed[name][one.worst_replayed(name)] for one in made if name in one.replayed]
-        if worst:
-            numbers[key] = float(max(worst))
+    gaps = _gaps(made)
+    numbers["contact_gaps"] = {name: gap for name, (_, gap) in gaps.items()}
+    numbers["contact_gaps_said"] = tuple(in_words(c, gap) for c, gap in gaps.values() if np.isfinite(gap))
     return numbers
+
+
+def _gaps(made: Sequence[Audit]) -> dict[str, tuple[Contact, float]]:
+    """Each contact and its worst gap: in the windows of all stops made; of a path condition all along the flight."""
+    found: dict[str, tuple[Contact, float]] = {}
+    for one in made:
+        for name, contact in one.stop.contacts.items():
+            replayed = one.replayed[name]
+            gap = worst(replayed)[0] if contact.always else float(replayed[one.worst_replayed(name)])
+            before = found[name][1] if name in found else -np.inf
+            found[name] = contact, gap if np.isnan(gap) else max(before, gap)
+    return found
 
 
 def _spoken(plan: Plan, one: Audit) -> str:

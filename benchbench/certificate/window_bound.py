@@ -28,9 +28,9 @@ def window_bounds(scenario: Scenario, model: Model, limits: Limits, first: Array
     speed = model.velocity.upper[index] * limits.rate_ratio
     start, end = scenario.start_point(model)[index], scenario.end_point(model)[index]
     direct = np.max((np.abs(end - start) - limits.end_position) / speed)
-    if "position" not in stop.contacts:
+    if stop.reach is None:
         return np.full(len(first), direct)
-    reach = arm_reach(model, model.plant()) + stop.contacts["position"].limit
+    reach = arm_reach(model, model.plant()) + stop.reach
     bounds, low = np.full(len(first), np.inf), max(0.0, direct)
     time = np.arange(0.0, scenario.travel_time[1] + STEP, STEP)
     target, moving = sample(stop.target, time)

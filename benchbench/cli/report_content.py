@@ -27,7 +27,7 @@ from benchbench.storage.configuration import configuration
 from benchbench.storage.files import PLAN
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.schema import Record
-from benchbench.storage.table import PANDAS
+from benchbench.storage.table import frame
 
 FACTS = {
     "travel time": ("travel_time_s", 1.0, "s"), "lower bound": ("lower_bound_s", 1.0, "s"),
@@ -35,8 +35,6 @@ FACTS = {
     "iterations": ("iterations", 1.0, ""), "solver": ("solve_cpu_s", 1.0, "s CPU"),
     "error of one interval": ("replay_defect_position_m", 1e3, "mm"),
     "drift of the replay": ("replay_drift_position_m", 1e3, "mm"), "beyond a gate's edge": ("gate_worst_miss_m", 1e3, "mm"),
-    "distance in contact": ("contact_max_distance_m", 1e3, "mm"),
-    "relative speed in contact": ("contact_max_speed_gap_mps", 1e3, "mm/s"),
 }  # fmt: skip
 """What is said of a plan: column, factor, unit."""
 
@@ -49,7 +47,7 @@ def content(folders: Sequence[Path], title: str | None, most: int) -> Report:
         raise BadInput(", ".join(map(str, folders)), problem, "folders with results, as runs write them")
     trees = [configuration(folder) for folder in found.folders]
     settings = [None if tree is None else flatten(tree) for tree in trees]
-    runs = name_runs(found.rows.to_pandas(types_mapper=PANDAS.get), settings)
+    runs = name_runs(frame(found.rows), settings)
     runs = runs.assign(solve_s=solve_time(runs))
     records = found.rows.to_pylist()
     plans, missing = [], []
@@ -118,8 +116,9 @@ def _has_plan(folder: Path | None) -> bool:
 
 
 def _facts(record: Record) -> dict[str, str]:
-    return {
+    numbers = {
         name: f"{record[column] * factor:.4g} {unit}".rstrip()
         for name, (column, factor, unit) in FACTS.items()
         if record[column] is not None
     }
+    return numbers | ({"in contact": ", ".join(said)} if (said := record["contact_gaps_said"]) else {})

@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import casadi as ca
 
@@ -43,11 +44,23 @@ class Contact(ABC):
     Said twice on purpose: `condition` in symbols for planners, `gap` in numbers for the certificate.
     """
 
+    noun: ClassVar[str]
+    """What its gap is called in a sentence, such as "distance"."""
+    aside: ClassVar[str]
+    """What follows a gap in a summary: "apart" in "19 mm apart"."""
     limit: float
     """Largest physical gap allowed in contact, in `unit`."""
     unit: str
     always: bool = False
     """A path condition, kept at every node and not only in contact."""
+
+    @property
+    @abstractmethod
+    def reach(self) -> float | None:
+        """How far in m the end effector may be from the target where the condition holds; None: it does not say.
+
+        Bounds on the travel time, which are proofs, rest on it.
+        """
 
     @abstractmethod
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
@@ -59,3 +72,14 @@ class Contact(ABC):
 
 
 Contacts = Mapping[str, Contact]
+
+THOUSANDTHS = ("m", "m/s", "rad", "rad/s")
+"""Units in which people read a gap in thousandths."""
+
+
+def in_words(contact: Contact, gap: float) -> str:
+    """Return what a summary says of a gap in the contact's unit, such as "19.3 mm apart"."""
+    if contact.unit in THOUSANDTHS:
+        return f"{1e3 * gap:.3g} m{contact.unit} {contact.aside}"
+    unit = "" if contact.unit == "1" else f" {contact.unit}"
+    return f"{gap:.3g}{unit} {contact.aside}"

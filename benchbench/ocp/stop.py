@@ -39,6 +39,11 @@ class Stop:
         """What a sentence adds to name the stop; nothing where there is only one."""
         return f" of '{self.name}'" if self.prefix else ""
 
+    @property
+    def reach(self) -> float | None:
+        """How far in m the end effector may be from the target in contact; None where no contact says so."""
+        return min((c.reach for c in self.contacts.values() if c.reach is not None), default=None)
+
     def named(self, what: str) -> str:
         """Return what something of this stop is called in a recording."""
         return f"{what}_{self.name}" if self.prefix else what

@@ -139,9 +139,7 @@ def _near(stop: Stop, case: Case) -> None:
     if not np.all(np.isfinite(target)):
         raise BadInput(field, "gives positions that are not finite", "finite positions in m")
     limits = scenario.limits(model)
-    reach = arm_reach(model, model.plant()) + max(
-        (c.limit for c in stop.contacts.values() if c.unit == "m"), default=0.0
-    )
+    reach = arm_reach(model, model.plant()) + (stop.reach or 0.0)
     for axis, column in zip(AXES, target.T, strict=True):
         i = limits.index(axis)
         low, high = limits.lower[i] - reach, limits.upper[i] + reach

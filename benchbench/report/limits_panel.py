@@ -16,7 +16,6 @@ from benchbench.ocp.stop import Stop
 from benchbench.report.contact_window import stop_windows
 from benchbench.report.panel import Curve, Panel, Points
 
-GAPS = {"position": "Distance to target", "velocity": "Relative speed", "heading": "Heading error"}
 QUANTITIES = {
     "m": "Position",
     "rad": "Angle",
@@ -31,11 +30,11 @@ def contact_panels(plan: Plan, scenario: Scenario, model: Model, replay: Replay 
     """One panel per contact condition: its physical gap to each stop's target, and its limit."""
     stops = scenario.itinerary.stops
     panels = []
-    for name, unit in {name: c.unit for stop in stops for name, c in stop.contacts.items()}.items():
+    for name, contact in {name: c for stop in stops for name, c in stop.contacts.items()}.items():
         asked = [stop for stop in stops if name in stop.contacts]
         curves = tuple(_gap_curve(stop, name, plan, model, replay) for stop in asked)
         note = _worst_in_contact(plan, asked[0], curves[0].line)
-        panels.append(Panel(GAPS.get(name, f"Gap of {name}"), unit, curves, True, note))
+        panels.append(Panel(contact.noun.capitalize(), contact.unit, curves, True, note))
     return panels
 
 

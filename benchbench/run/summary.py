@@ -199,12 +199,7 @@ def _contacts(r: Mapping[str, Any]) -> str:
 
 
 def _worst(r: Mapping[str, Any]) -> str:
-    parts = (
-        _scaled(r["contact_max_distance_m"], 1e3, "mm apart"),
-        _scaled(r["contact_max_speed_gap_mps"], 1e3, "mm/s relative"),
-        _scaled(r["contact_max_heading_error_rad"], 1e3, "mrad off heading"),
-    )
-    return "at worst " + (", ".join(part for part in parts if part) or "-")
+    return "at worst " + (", ".join(r["contact_gaps_said"] or ()) or "-")
 
 
 def _verdict(r: Mapping[str, Any]) -> Text:

@@ -6,7 +6,7 @@ import warnings
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from omegaconf import DictConfig
 
@@ -103,13 +103,13 @@ def runs(*folders: Path | str) -> pd.DataFrame:
     Raises BadInput for a folder that does not exist.
     """
     from benchbench.storage.collect import collect
-    from benchbench.storage.table import PANDAS
+    from benchbench.storage.table import frame
 
     found = collect([Path(folder) for folder in folders or ("results",)])
     for path, problem in found.problems.items():
         warnings.warn(f"left out {path}: {problem}", stacklevel=2)
-    rows = found.rows.to_pandas(types_mapper=PANDAS.get)
-    return rows.assign(folder=[None if folder is None else str(folder) for folder in found.folders])
+    places: list[Any] = [None if folder is None else str(folder) for folder in found.folders]
+    return frame(found.rows).assign(folder=places)
 
 
 def _run(case: Case | ReadyCase, cfg: DictConfig) -> RunView:

@@ -77,15 +77,19 @@ WRITERS: dict[str, Callable[[pa.Table], bytes]] = {
 
 
 def _flat(table: pa.Table) -> pa.Table:
-    """Lists joined, since a text format has no lists."""
+    """Lists, and numbers by name, joined, since a text format has neither."""
     for place, field in enumerate(table.schema):
-        if pa.types.is_list(field.type):
-            joined = [
-                None if texts is None else "; ".join(map(str, texts))
-                for texts in table.column(place).to_pylist()
-            ]
+        if pa.types.is_list(field.type) or pa.types.is_map(field.type):
+            joined = [_joined(value) for value in table.column(place).to_pylist()]
             table = table.set_column(place, field.name, pa.array(joined, pa.string()))
     return table
+
+
+def _joined(values: list[Any] | None) -> str | None:
+    """Texts, or pairs of a name and a number, in one text."""
+    if values is None:
+        return None
+    return "; ".join(f"{one[0]} {one[1]}" if isinstance(one, tuple) else str(one) for one in values)
 
 
 def _texts(table: pa.Table) -> pd.DataFrame:

@@ -1,12 +1,14 @@
 """The record: the one place that says what is stored about a run, with type, unit and meaning.
 
 A change of this table that is more than a new column at the end of its group raises `SCHEMA_VERSION`.
-Records of an earlier version stay readable: columns they do not have are empty.
+Records of an earlier version stay readable: columns they do not have are empty, and `benchbench.storage.upgrade`
+says where those went that are gone.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -16,7 +18,7 @@ from benchbench.storage.status import Status
 
 __all__ = ["COLUMNS", "SCHEMA_VERSION", "Column", "Record", "Status", "make_record"]
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 
 COUNT = (0, 2**53)
 """What can be counted: iterations, unknowns, nodes. A solver that never ran may tell anything else."""
@@ -25,13 +27,13 @@ SEED = (0, 2**63 - 1)
 LONGEST = 10_000_000
 """Characters of a text that are kept."""
 
-Type = Literal["int", "float", "str", "bool", "strings"]
+Type = Literal["int", "float", "str", "bool", "strings", "numbers"]
 Record = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column: its type ("strings" is a list of texts), its unit ("" where there is none), its meaning.
+    """One column: its type ("strings" is a list of texts, "numbers" are numbers by name), its unit ("" where there is none), its meaning.
 
     plausible  smallest and largest number of an "int" that can be true
     """
@@ -119,9 +121,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("contact_end_s", "float", "s", "end of the last contact window"),
     Column("contact_steps", "int", "", "consecutive nodes at which every contact condition holds; the fewest of all stops"),
     Column("contact_duration_s", "float", "s", "length of the contact window; the shortest of all stops"),
-    Column("contact_max_distance_m", "float", "m", "largest distance of end effector and target in the windows"),
-    Column("contact_max_speed_gap_mps", "float", "m/s", "largest relative speed of end effector and target in the windows"),
-    Column("contact_max_heading_error_rad", "float", "rad", "largest heading error in the windows"),
+    Column("contact_gaps", "numbers", "its own", "largest gap of each contact condition in the windows (of a path condition all the time), by its name, in the unit of its limit"),
+    Column("contact_gaps_said", "strings", "", "the same in words, with units"),
     Column("stops", "strings", "", "stops made, in order of time, each with start and end of its contact"),
     Column("reward_s", "float", "s", "rewards of the optional stops made, to be taken off the travel time"),
     # certificate: races
@@ -177,6 +178,8 @@ def _convert(column: Column, value: Any) -> Any:
             return _text(value)
         case "strings":
             return [_text(text) for text in value]
+        case "numbers":
+            return {_text(name): _number(number) for name, number in value.items()}
         case "int":
             low, high = column.plausible
             return value if low <= value <= high else None
@@ -187,6 +190,10 @@ def _convert(column: Column, value: Any) -> Any:
 def _text(value: str) -> str:
     """Text that every file can hold: a lone surrogate cannot be written."""
     return str(value)[:LONGEST].encode("utf-8", "replace").decode()
+
+
+def _number(value: Any) -> float | None:
+    return float(value) if value is not None and math.isfinite(value) else None
 
 
 def _fits(type_: Type, value: Any) -> bool:
@@ -201,3 +208,8 @@ def _fits(type_: Type, value: Any) -> bool:
             return isinstance(value, str)
         case "strings":
             return isinstance(value, list | tuple) and all(isinstance(text, str) for text in value)
+        case "numbers":
+            return isinstance(value, Mapping) and all(
+                isinstance(name, str) and (number is None or _fits("float", number))
+                for name, number in value.items()
+            )

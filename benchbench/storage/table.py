@@ -20,6 +20,7 @@ import pyarrow.parquet as pq
 from benchbench.storage.files import RECORD, write_bytes
 from benchbench.storage.formats import WRITERS, format_of
 from benchbench.storage.schema import COLUMNS, Record, make_record
+from benchbench.storage.upgrade import GAPS, NOW, upgraded
 
 LOG = logging.getLogger(__name__)
 
@@ -29,8 +30,9 @@ _ARROW = {
     "str": pa.string(),
     "bool": pa.bool_(),
     "strings": pa.list_(pa.string()),
+    "numbers": pa.map_(pa.string(), pa.float64()),
 }
-PANDAS = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
+_PANDAS = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
 _RUN_ID = re.compile(r"[\w][\w.+=-]*")
 
 SCHEMA = pa.schema(
@@ -53,11 +55,16 @@ def append(record: Mapping[str, Any], root: Path) -> Path:
 
 
 def read(root: Path) -> pd.DataFrame:
-    """Return all rows, ordered by `run_id`, with every column of the schema.
+    """Return all rows, ordered by `run_id`, with every column of the schema, as `frame` does.
 
-    Integers and booleans use pandas' nullable types. A file that is no row is logged and left out.
+    A file that is no row is logged and left out.
     """
-    return _load(root).to_pandas(types_mapper=PANDAS.get)
+    return frame(_load(root))
+
+
+def frame(rows: pa.Table) -> pd.DataFrame:
+    """Return rows of the table for pandas: nullable integers and booleans, numbers by name as dictionaries."""
+    return rows.to_pandas(types_mapper=_PANDAS.get, maps_as_pydicts="lossy")
 
 
 def rebuild(root: Path) -> tuple[int, dict[Path, str]]:
@@ -107,7 +114,13 @@ def _load(root: Path) -> pa.Table:
 
 
 def conform(table: pa.Table) -> pa.Table:
-    """Give a row of any schema version today's columns; what it does not have is empty."""
+    """Give rows of any schema version today's columns; what they do not have is empty."""
+    gone = [name for name in GAPS if name in table.column_names]
+    if gone:
+        now = [upgraded(row) for row in table.select(gone).to_pylist()]
+        for name in NOW:
+            values = pa.array([row.get(name) for row in now], SCHEMA.field(name).type)
+            table = table.append_column(name, values)
     columns = [
         table[field.name].cast(field.type)
         if field.name in table.column_names
@@ -125,7 +138,7 @@ def load_record(path: Path) -> Record:
         raise ValueError("nested too deeply for a record") from None
     if not isinstance(values, dict):
         raise TypeError("not a record")
-    return make_record(**values)
+    return make_record(**upgraded(values))
 
 
 def _row(table: pa.Table) -> bytes:

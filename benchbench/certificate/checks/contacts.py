@@ -9,7 +9,6 @@ from benchbench.certificate.audit import Audit, ContactEvidence, event_contacts,
 from benchbench.certificate.check import Check, Checks, at_least, at_most, worst
 from benchbench.certificate.limits import Limits
 
-SPOKEN = {"position": "distance", "velocity": "relative speed", "heading": "heading error"}
 ROUNDING = 1e-6
 """Granted when durations and progress indices are added up, s and 1."""
 
@@ -33,11 +32,11 @@ def contact_flown(evidence: ContactEvidence) -> Checks:
             if one.window is not None:
                 k = one.worst_replayed(name)
                 gap, where = float(one.replayed[name][k]), evidence.at(k)
-                what, limit = f"{spoken(name)} in contact{stop.label}", _allowed(name, contact.limit, limits)
+                what, limit = f"{contact.noun} in contact{stop.label}", _allowed(name, contact.limit, limits)
                 yield at_most(f"contact_{name}", what, gap, limit, contact.unit, where, advice=advice.CONTACT)
         for name, contact in path_contacts(stop):
             gap, (k,) = worst(one.replayed[name])
-            limit, what = _allowed(name, contact.limit, limits), spoken(name) + stop.label
+            limit, what = _allowed(name, contact.limit, limits), contact.noun + stop.label
             yield at_most(
                 f"replay_path_{name}", what, gap, limit, contact.unit, evidence.at(k), advice=advice.FINER
             )
@@ -52,7 +51,7 @@ def _claims(one: Audit, limits: Limits) -> Checks:
         gap, limit = float(one.planned[name][k]), contact.limit + limits.node
         reason = (
             f"node {k} claims contact{one.stop.label} with epsilon {one.progress[k]:.3g} but its "
-            f"{spoken(name)} is {gap:.6g} {contact.unit}, allowed {contact.limit:.6g} {contact.unit}"
+            f"{contact.noun} is {gap:.6g} {contact.unit}, allowed {contact.limit:.6g} {contact.unit}"
         )
         ok = gap <= limit
         yield Check(
@@ -70,7 +69,7 @@ def _path(one: Audit, limits: Limits) -> Checks:
     """Conditions that hold all the time hold at every node."""
     for name, contact in path_contacts(one.stop):
         gap, (k,) = worst(one.planned[name])
-        what, limit = spoken(name) + one.stop.label, contact.limit + limits.node
+        what, limit = contact.noun + one.stop.label, contact.limit + limits.node
         yield at_most(f"path_{name}", what, gap, limit, contact.unit, f" at node {k}", advice=advice.PATH)
 
 
@@ -89,11 +88,6 @@ def _lasting(evidence: ContactEvidence, one: Audit) -> Checks:
         yield at_least(
             "contact_seconds", what, seconds, stop.contact_seconds, "s", ROUNDING, advice=advice.SECONDS
         )
-
-
-def spoken(name: str) -> str:
-    """Return what a contact's gap is called in a sentence."""
-    return SPOKEN.get(name, name)
 
 
 def _allowed(name: str, limit: float, limits: Limits) -> float:

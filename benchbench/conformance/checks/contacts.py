@@ -5,6 +5,8 @@ scale        where `limit` is given, h = (gap / limit)^2 - 1, so that relaxation
 derivatives  h is differentiable: gradient equals finite differences, and gradient and Hessian are finite
              where the gap is 0, at rest, and for a target that stands still
 shape        h (m,), a gap (n,) >= 0 in `unit`
+reach        where the condition holds, the end effector is within `reach` of the target, if it says one
+words        noun and aside, which sentences about its gap are made of
 """
 
 from __future__ import annotations
@@ -107,18 +109,50 @@ def check_smoothness(contact: Contact, model: Model) -> None:
                     require(bool(finite), f"{what} is not finite with gap 0, target velocity {velocity}")
 
 
+def check_reach(contact: Contact, model: Model) -> None:
+    """Where the gap is within the limit, the end effector is within `reach`; of a contact without one nothing is asked."""
+    if contact.reach is None:
+        return
+    count, draw, plant = 400, np.random.default_rng(5), model.plant()
+    q, v, _ = random_states(model, count, seed=5)
+    tip, way = plant.tool(q, v)
+    apart = draw.uniform(0, REACH * contact.reach, count)
+    apart[: count // 2] *= draw.uniform(0, 1, count // 2)  # half of them nearer
+    for drift in (0.0, REACH * contact.limit):
+        moving = way + _directions(draw, count) * draw.uniform(0, 1, (count, 1)) * drift
+        gap = contact.gap(plant, q, v, tip + apart[:, None] * _directions(draw, count), moving)
+        inside = gap <= contact.limit
+        require(
+            bool(inside.any()) or drift > 0, "it holds at none of 400 states within three times its reach"
+        )
+        far = float(np.max(apart[inside], initial=0.0))
+        require(
+            far <= contact.reach * (1 + 1e-9),
+            f"it holds {far:.6g} m apart, beyond its reach of {contact.reach:g} m",
+        )
+
+
+def check_words(contact: Contact, model: Model) -> None:
+    """It says what its gap is called, and what follows a gap in a summary."""
+    for name in ("noun", "aside", "unit"):
+        said = getattr(contact, name, None)
+        require(isinstance(said, str) and bool(said.strip()), f"{name} is {said!r}, expected a word or two")
+
+
 def near_states(
     contact: Contact, model: Model, count: int, seed: int = 0
 ) -> tuple[Array, Array, Array, Array]:
     """Random q, v (n, n_q) and targets (n, 3) whose offset, relative velocity and heading are near the limit.
 
-    Half of the targets move like the tool, half along the nose; each turned and shifted by up to REACH limits.
+    Half of the targets move like the tool, half along the nose; each turned by up to REACH limits and shifted by up to
+    REACH times what the contact reaches, its limit where it says no reach.
     """
     draw, plant = np.random.default_rng(seed), model.plant()
     q, v, _ = random_states(model, count, seed)
     tip, way = plant.tool(q, v)
     offset, drift = (
-        _directions(draw, count) * draw.uniform(0, REACH * contact.limit, (count, 1)) for _ in range(2)
+        _directions(draw, count) * draw.uniform(0, REACH * most, (count, 1))
+        for most in (contact.reach or contact.limit, contact.limit)
     )
     turn = draw.uniform(-REACH, REACH, count) * min(contact.limit, 1.0)
     nose = plant.nose(q)
@@ -167,4 +201,6 @@ def _derivatives(contact: Contact, model: Model) -> tuple[ca.Function, ca.Functi
     )
 
 
-CHECKS = (check_meaning, check_boundary, check_scale, check_gradient, check_smoothness)
+CHECKS = (
+    check_meaning, check_boundary, check_scale, check_gradient, check_smoothness, check_reach, check_words,
+)  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +22,7 @@ SHIFT_S = 1.0
 RUN_COLUMNS = (
     "run_id", "scenario", "intervals", "kappa_init", "dynamics", "relaxation", "solver", "strategy", "guess", "status",
     "claimed_success", "travel_time_s", "gap_percent", "best_known_s", "iterations", "solve_cpu_s", "replay_defect_position_m",
-    "contact_max_distance_m", "contact_max_speed_gap_mps", "reasons", "advice", "objective", "lower_bound_s",
+    "contact_gaps", "reasons", "advice", "objective", "lower_bound_s",
     "evaluations", "build_cpu_s", "certificate_cpu_s", "wall_s", "peak_memory_mb", "max_violation",
     "max_complementarity", "replay_drift_position_m", "replay_end_error_m", "max_rate_ratio", "contact_steps",
     "contact_duration_s", "gates", "gates_passed", "gate_worst_miss_m", "vehicle", "seed",
@@ -59,11 +59,20 @@ class RunTable:
 
 def run_table(runs: pd.DataFrame) -> RunTable:
     """Return the columns that say something about these runs."""
-    names = [name for name in RUN_COLUMNS if name == "run_id" or _any(runs[name])]
-    heads = [
-        Head(name, c.unit, c.meaning, c.type in ("int", "float")) for name in names if (c := _BY_NAME[name])
-    ]
-    return RunTable(heads, [[cell(row[name]) for name in names] for row in runs[names].to_dict("records")])
+    shown = [one for name in RUN_COLUMNS for one in _shown(runs, name)]
+    rows = zip(*(values for _, values in shown), strict=True)
+    return RunTable([head for head, _ in shown], [[cell(value) for value in row] for row in rows])
+
+
+def _shown(runs: pd.DataFrame, name: str) -> Iterator[tuple[Head, list[Any]]]:
+    """A column with its values, where it says something; numbers by name are a column each."""
+    column, values = _BY_NAME[name], list(runs[name])
+    if column.type == "numbers":
+        given = [value if isinstance(value, Mapping) else {} for value in values]
+        for key in dict.fromkeys(key for one in given for key in one):
+            yield Head(f"{name} {key}", "", column.meaning, True), [one.get(key) for one in given]
+    elif name == "run_id" or _any(runs[name]):
+        yield Head(name, column.unit, column.meaning, column.type in ("int", "float")), values
 
 
 def cell(value: Any) -> Cell:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 from pydantic import Field
@@ -19,9 +19,16 @@ from benchbench.ocp.node import Node
 class Floor(Contact):
     """z_T - z_ee <= limit (m) at every node; not in the paper, off by default."""
 
+    noun: ClassVar[str] = "depth below the floor"
+    aside: ClassVar[str] = "below the floor"
     limit: float = Field(0.01, gt=0)
     unit: str = "m"
     always: bool = True
+
+    @property
+    def reach(self) -> None:
+        """Any: it may be far above."""
+        return None
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
         """H = (z_T - z_ee) / limit - 1, always."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, final
+from typing import ClassVar, Literal, final
 
 import casadi as ca
 import numpy as np
@@ -29,9 +29,16 @@ class Heading(Contact):
     static target and accepts flying backwards; `gap` still measures the true angle.
     """
 
+    noun: ClassVar[str] = "heading error"
+    aside: ClassVar[str] = "off heading"
     limit: float = Field(0.1, gt=0, lt=np.pi / 2)
     unit: str = "rad"
     form: Literal["angle", "cross"] = "angle"
+
+    @property
+    def reach(self) -> None:
+        """Any."""
+        return None
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
         """H = (1 - cos e) / (1 - cos limit) - 1, or h = cross^2 / limit^2 - 1."""

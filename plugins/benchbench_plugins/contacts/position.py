@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -20,8 +20,15 @@ from benchbench.ocp.node import Node
 class Position(Contact):
     """|p_ee - p_T| <= limit (nu_max, m), squared and scaled: the norm has no derivative at zero."""
 
+    noun: ClassVar[str] = "distance"
+    aside: ClassVar[str] = "apart"
     limit: float = Field(0.02, gt=0)
     unit: str = "m"
+
+    @property
+    def reach(self) -> float:
+        """The limit."""
+        return self.limit
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
         """H = |p_ee - p_T|^2 / limit^2 - 1."""

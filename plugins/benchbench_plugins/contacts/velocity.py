@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -20,8 +20,15 @@ from benchbench.ocp.node import Node
 class Velocity(Contact):
     """|v_ee - v_T| <= limit (c_limit,velocity, m/s), squared and scaled."""
 
+    noun: ClassVar[str] = "relative speed"
+    aside: ClassVar[str] = "relative"
     limit: float = Field(0.01, gt=0)
     unit: str = "m/s"
+
+    @property
+    def reach(self) -> None:
+        """Any."""
+        return None
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
         """H = |v_ee - v_T|^2 / limit^2 - 1 with v_ee from the nodal velocity."""
