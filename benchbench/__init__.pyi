@@ -5,7 +5,7 @@ from .certificate.certificate import Certificate
 from .certificate.check import Check, at_least, at_most, worst
 from .certificate.evidence import Evidence
 from .errors import BadInput, BenchBenchError, IncompatibleCase, NoPlan, Unavailable
-from .mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, evaluate, rows
+from .mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, block, evaluate, rows
 from .mpcc.ready import ReadyMade, whole
 from .nlp.ledger import Ledger
 from .nlp.method import Method
@@ -59,5 +59,6 @@ __all__ = [
     "Plan", "Plant", "Point", "Prepared", "Progress", "RacingModel", "RampModel", "ReadyCase", "ReadyMade",
     "Relaxation", "Relaxed", "Result", "RunView", "Scenario", "Schedule", "Setup", "Shared", "Slot", "Solution",
     "Solver", "Space", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown", "Variable", "acceleration",
-    "at_least", "at_most", "certify", "evaluate", "load", "plan", "rows", "runs", "space", "whole", "worst",
+    "at_least", "at_most", "block", "certify", "evaluate", "load", "plan", "rows", "runs", "space", "whole",
+    "worst",
 ]  # fmt: skip

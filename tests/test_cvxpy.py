@@ -15,7 +15,7 @@ from small_mpccs import by_hand
 from benchbench.conformance.checks.smooth_programs import hs071
 from benchbench.errors import IncompatibleCase, Unavailable
 from benchbench.formulation.handover import free_contact, phases
-from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, evaluate
+from benchbench.mpcc.problem import Mpcc, Variable, block, evaluate, rows
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
@@ -115,12 +115,9 @@ def test_subproblem_is_compiled_once_and_right() -> None:
 
 def at_rest() -> Mpcc:
     """Min (v - 2)^2 with (v / 0.01)^2 - 1 <= 0 from v = 0, where the row has no slope: v = 0.01."""
-    z, p, s = ca.SX.sym("z"), ca.SX.sym("p", 0), ca.SX.sym("sigma")
-    slot, none, one = (Slot("v", np.zeros((1, 1), np.int64)),), np.zeros((1, 0)), np.ones((1, 1))
-    cost = Block("cost", ca.Function("cost", [z, p, s], [(z - 2) ** 2]), slot, none, one, one)
-    row = Block(
-        "row", ca.Function("row", [z, p, s], [(z / 0.01) ** 2 - 1]), slot, none, -np.inf * one, 0 * one
-    )
+    one, slots = np.ones((1, 1)), [rows("v", 1, [0])]
+    cost = block("cost", slots, lambda v: (v - 2) ** 2)
+    row = block("row", slots, lambda v: (v / 0.01) ** 2 - 1, -np.inf, 0.0)
     return Mpcc((Variable("v", -9 * one, 9 * one, 0 * one),), (row,), (cost,))
 
 
@@ -194,9 +191,9 @@ def test_atoms_say_the_same() -> None:
     cost = sum(evaluate(block, mpcc, x, 0.2).sum() for block in mpcc.costs)
     assert atoms.problem.objective.value == pytest.approx(cost, rel=1e-12)
     wanted = []
-    for block in mpcc.constraints:
-        value = evaluate(block, mpcc, x, 0.2)
-        wanted.append(np.maximum(block.lower - value, value - block.upper).clip(0))
+    for row in mpcc.constraints:
+        value = evaluate(row, mpcc, x, 0.2)
+        wanted.append(np.maximum(row.lower - value, value - row.upper).clip(0))
     found = np.concatenate([np.ravel(rule.violation()) for rule in atoms.problem.constraints])
     assert found.sum() == pytest.approx(sum(w.sum() for w in wanted), rel=1e-9)
     assert found.max() == pytest.approx(max(w.max() for w in wanted), rel=1e-9)

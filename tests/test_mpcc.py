@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchbench.arrays import Array
-from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, evaluate, gather, rows
+from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, block, evaluate, gather, rows
 
 
 def variable(
@@ -36,6 +36,23 @@ def product(name: str = "product", factor: float = 1.0, instances: int = 2, of: 
 def example() -> Mpcc:
     pair = Pair(product("touch"), "complementarity", limit=(0.02,))
     return Mpcc((variable(),), (product(),), (), (pair,))
+
+
+def test_a_block_is_made_of_a_rule() -> None:
+    """Two instances of p - |row|^2 <= bound on rows 2 and 0 of x, each with its own p and bound."""
+    x = np.array([[1.0, 2.0], [3.0, 4.0], [5.0, 6.0]])
+    made = block(
+        "far", [rows("x", 1, [4, 0]), rows("x", 1, [5, 1])], lambda a, b, p: p[0] - a**2 - b**2,
+        -np.inf, [[1.0], [2.0]], parameters=np.array([[100.0], [10.0]]), unit="m^2", function="distance",
+    )  # fmt: skip
+    mpcc = Mpcc((variable(),), (made,))
+    np.testing.assert_array_equal(evaluate(made, mpcc, x.ravel()), [[39.0], [5.0]])
+    assert made.lower.tolist() == [[-np.inf]] * 2 and made.upper.tolist() == [[1.0], [2.0]]
+    assert (made.name, made.function.name(), made.unit) == ("far", "distance", "m^2")
+    by_name = block("far", [rows("x", 2, [2, 0])], lambda z: ca.sumsqr(z), symbols="place")
+    np.testing.assert_array_equal(evaluate(by_name, mpcc, x.ravel()), [[61.0], [5.0]])
+    with pytest.raises(ValueError, match="block far: 1 names for 2 slots"):
+        block("far", [rows("x", 1, [0]), rows("x", 1, [1])], lambda a, b: a - b, symbols="a")
 
 
 def test_parts_add_up_and_offsets_follow() -> None:

@@ -16,7 +16,7 @@ from small_mpccs import by_hand
 from benchbench.conformance.checks.smooth_programs import hs071
 from benchbench.errors import IncompatibleCase, Unavailable
 from benchbench.formulation.handover import free_contact, phases
-from benchbench.mpcc.problem import Block, Mpcc, evaluate
+from benchbench.mpcc.problem import Mpcc, block, evaluate
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.relaxation import relax
@@ -116,16 +116,8 @@ def test_other_solvers_refuse_pairs() -> None:
 
 def constant_row(value: float) -> Mpcc:
     mpcc = hs071().mpcc
-    z, p, s = ca.SX.sym("z", 4), ca.SX.sym("p", 1), ca.SX.sym("sigma")
-    slots, zero = mpcc.constraints[0].slots, np.zeros((1, 1))
-    fixed = Block(
-        "fixed",
-        ca.Function("fixed", [z, p, s], [p + 0 * z[0]]),
-        slots,
-        np.full((1, 1), value),
-        zero,
-        zero + 1,
-    )
+    slots, number = mpcc.constraints[0].slots, np.full((1, 1), value)
+    fixed = block("fixed", slots, lambda z, p: p + 0 * z[0], 0, 1, parameters=number)
     return replace(mpcc, constraints=(fixed, *mpcc.constraints))
 
 

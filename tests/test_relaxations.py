@@ -16,7 +16,7 @@ from small_mpccs import Small, by_hand, problem, pympcc_problems
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
-from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Variable, evaluate, rows
+from benchbench.mpcc.problem import Mpcc, Pair, PairKind, Variable, block, evaluate, rows
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import Solved, homotopy
 from benchbench.nlp.ledger import Ledger
@@ -75,14 +75,9 @@ def points(kind: PairKind) -> Mpcc:
     inside = np.where(random.uniform(size=size.shape) < 0.8, size, -size)
     axis = np.repeat(np.eye(2), 60, axis=0) * np.append(size[:119, 0], 1e4)[:, None]
     guess = np.vstack([inside, axis, np.zeros((1, 2))])
-    m = len(guess)
-    z, p, sigma = ca.SX.sym("z", 2), ca.SX.sym("p", 0), ca.SX.sym("sigma")
     free = np.full(guess.shape, np.inf)
-    block = Block(
-        "touch", ca.Function("touch", [z, p, sigma], [z]), (rows("x", 2, range(m)),), np.zeros((m, 0)),
-        np.zeros((m, 2)), np.zeros((m, 2)),
-    )  # fmt: skip
-    return Mpcc((Variable("x", -free, free, guess),), (), (), (Pair(block, kind),))
+    touch = block("touch", [rows("x", 2, range(len(guess)))], lambda z: z)
+    return Mpcc((Variable("x", -free, free, guess),), (), (), (Pair(touch, kind),))
 
 
 @pytest.mark.parametrize("name", sorted(SETS))

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.mpcc.problem import Block, Mpcc, Pair, Variable, rows
+from benchbench.mpcc.problem import Block, Mpcc, Pair, Variable, block, rows
 from benchbench.ocp.contact import Condition, Contacts, Target
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion, motion_state
@@ -50,22 +51,22 @@ class Coupling:
         kappa = Variable(
             self.kappa, np.where(free, 0.0, fixed), np.where(free, float(kappa_init), fixed), guess, "1", True
         )
-        z, p, s = ca.SX.sym("z", 2), ca.SX.sym("p", 0), ca.SX.sym("sigma")
         nodes = range(n)
         step = (rows(self.kappa, 1, nodes), rows(self.kappa, 1, range(1, n + 1)))
-        progress = Block(
-            f"{self.prefix}progress", ca.Function("progress", [z, p, s], [z[0] - z[1]]), step,
-            np.zeros((n, 0)), np.zeros((n, 1)), np.ones((n, 1)), "1",
-        )  # fmt: skip
+        progress = block(
+            f"{self.prefix}progress",
+            step,
+            lambda now, then: now - then,
+            upper=1.0,
+            unit="1",
+            function="progress",
+        )
         pairs = []
-        for name, condition, block in self._blocks(nodes, always=False):
-            inner = block.function
-            w, q = ca.SX.sym("z", 2 + inner.size1_in(0)), ca.SX.sym("p", inner.size1_in(1))
-            h = inner(w[2:], q, s)
-            g = ca.repmat(w[0] - w[1], h.shape[0], 1)
-            both = ca.Function(f"pair_{name}", [w, q, s], [ca.vertcat(g, h)])
-            none = np.zeros((n, 2 * h.shape[0]))
-            paired = Block(block.name, both, step + block.slots, block.parameters, none, none, condition.unit)
+        for name, condition, imposed in self._blocks(nodes, always=False):
+            paired = block(
+                imposed.name, step + imposed.slots, partial(_pair, imposed.function), parameters=imposed.parameters,
+                unit=condition.unit, function=f"pair_{name}",
+            )  # fmt: skip
             pairs.append(Pair(paired, "vanishing", condition.limit, sign_known=True))
         return Mpcc((kappa,), (progress,), (), tuple(pairs)) + self.always()
 
@@ -76,12 +77,12 @@ class Coupling:
 
     def at_nodes(self, nodes: Sequence[int]) -> Mpcc:
         """Impose every condition at the given nodes: no progress variables, no complementarity."""
-        return Mpcc((), tuple(block for _, _, block in self._blocks(nodes, always=False))) + self.always()
+        return Mpcc((), tuple(imposed for _, _, imposed in self._blocks(nodes, always=False))) + self.always()
 
     def always(self) -> Mpcc:
         """Impose the conditions that hold at every node, in contact or not."""
         nodes = range(self.trajectory.grid.intervals)
-        return Mpcc((), tuple(block for _, _, block in self._blocks(nodes, always=True)))
+        return Mpcc((), tuple(imposed for _, _, imposed in self._blocks(nodes, always=True)))
 
     def _blocks(self, nodes: Sequence[int], always: bool) -> list[tuple[str, Condition, Block]]:
         node = self.trajectory.node
@@ -95,15 +96,22 @@ class Coupling:
             condition = condition.tightened(self.margins.get(name, 0.0))
             h = ca.substitute(condition.h, node.p, p[: node.p.shape[0]])
             function = ca.Function(f"contact_{name}", [node.z, p, ca.SX.sym("sigma")], [h])
-            m = len(nodes)
-            numbers = np.hstack([self.trajectory.parameters(nodes), np.tile(self.motion.parameters, (m, 1))])
-            shape = (m, h.shape[0])
-            block = Block(
-                f"{self.prefix}{name}", function, self.trajectory.slots(nodes), numbers,
-                np.full(shape, -np.inf), np.zeros(shape), condition.unit,
+            target = np.tile(self.motion.parameters, (len(nodes), 1))
+            none = np.zeros((len(nodes), h.shape[0]))
+            imposed = Block(
+                f"{self.prefix}{name}", function, self.trajectory.slots(nodes),
+                parameters=np.hstack([self.trajectory.parameters(nodes), target]),
+                lower=none - np.inf, upper=none, unit=condition.unit,
             )  # fmt: skip
-            found.append((name, condition, block))
+            found.append((name, condition, imposed))
         return found
+
+
+def _pair(condition: ca.Function, now: ca.SX, then: ca.SX, *reads: ca.SX) -> ca.SX:
+    """G = kappa_k - kappa_{k+1}, once for each row of the condition H."""
+    *z, p = reads
+    h = condition(ca.vertcat(*z), p, 0)
+    return ca.vertcat(ca.repmat(now - then, h.shape[0], 1), h)
 
 
 def retargeted(block: Block, motion: Motion) -> Block:

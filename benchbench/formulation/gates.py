@@ -19,7 +19,7 @@ import numpy as np
 
 from benchbench.arrays import Array, Index
 from benchbench.formulation.gate_conditions import Condition, conditions
-from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, rows
+from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, block, rows
 from benchbench.ocp.model import Model
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate
@@ -63,8 +63,13 @@ def at_nodes(race: Race, place: Place, nodes: Sequence[int], goals: Sequence[Gat
         h, z, p = place.h(condition)
         function = ca.Function(condition.name, [z, p, ca.SX.sym("sigma")], [h])
         none = np.zeros((len(which), h.shape[0]))
-        slot = place.at(condition, [nodes[i] for i in which])
-        found.append(Block(f"gate_{condition.name}", function, (slot,), numbers, none - np.inf, none, "1"))
+        slots = (place.at(condition, [nodes[i] for i in which]),)
+        found.append(
+            Block(
+                f"gate_{condition.name}", function, slots,
+                parameters=numbers, lower=none - np.inf, upper=none, unit="1",
+            )
+        )  # fmt: skip
     return tuple(found)
 
 
@@ -120,10 +125,11 @@ def _pair(
     slots = (_two(now, now + gates), place.at(condition, nodes))
     none = np.zeros((len(nodes), 2 * h.shape[0]))
     limit = (float(numbers[0, -1]),) if condition.gap else None
-    block = Block(
-        condition.name, function, slots, np.tile(numbers, (intervals, 1)), none, none, condition.unit
-    )
-    return Pair(block, "vanishing", limit, sign_known=True)
+    paired = Block(
+        condition.name, function, slots,
+        parameters=np.tile(numbers, (intervals, 1)), lower=none, upper=none, unit=condition.unit,
+    )  # fmt: skip
+    return Pair(paired, "vanishing", limit, sign_known=True)
 
 
 def _progress(intervals: int, gates: int) -> Block:
@@ -140,9 +146,8 @@ def _order(intervals: int, gates: int) -> Block:
 
 def _difference(name: str, left: Index, right: Index) -> Block:
     """Ask for kappa[left] >= kappa[right], flat positions; kappa in [0, 1] bounds their difference from above."""
-    z, none = ca.SX.sym("z", 2), np.zeros((len(left), 1))
-    function = ca.Function("difference", [z, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [z[0] - z[1]])
-    return Block(name, function, (_two(left, right),), none[:, :0], none, none + np.inf, "1")
+    slots = [_two(left, right)]
+    return block(name, slots, lambda z: z[0] - z[1], upper=np.inf, unit="1", function="difference")
 
 
 def _two(left: Index, right: Index) -> Slot:

@@ -13,7 +13,7 @@ from benchbench.errors import IncompatibleCase
 from benchbench.formulation import open_order
 from benchbench.formulation.coupling import Coupling, progress_index
 from benchbench.formulation.formulation import Formulation
-from benchbench.mpcc.problem import Block, Mpcc
+from benchbench.mpcc.problem import Mpcc, block
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Itinerary, Stop, spread
 from benchbench.transcription.grid import Grid, Phase, Trajectory
@@ -243,10 +243,10 @@ def _coupling(case: Formulation, trajectory: Trajectory, stop: Stop) -> Coupling
 
 def _average_steps(grid: Grid, phase: int, stop: Stop) -> Mpcc:
     """T_contact = (kappa_init - 1) t_N / N."""
-    duration = ca.SX.sym("T", len(grid.phases))
-    p = ca.SX.sym("p", 1)
-    rest = duration[phase] - p * ca.sum1(duration)
-    function = ca.Function("contact_duration", [duration, p, ca.SX.sym("sigma")], [rest])
-    share, zero = np.array([[(stop.kappa_init - 1) / grid.intervals]]), np.zeros((1, 1))
-    name = f"{stop.prefix}contact_duration"
-    return Mpcc((), (Block(name, function, (durations(grid, 1),), share, zero, zero, "s"),))
+    rule = block(
+        f"{stop.prefix}contact_duration", [durations(grid, 1)],
+        lambda duration, p: duration[phase] - p * ca.sum1(duration),
+        parameters=np.array([[(stop.kappa_init - 1) / grid.intervals]]), unit="s", function="contact_duration",
+        symbols="T",
+    )  # fmt: skip
+    return Mpcc((), (rule,))

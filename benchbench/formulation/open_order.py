@@ -11,8 +11,7 @@ eps^i_k = kappa^i_k - kappa^i_{k+1}; y_i is 1 where the stop is made and 0 where
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from itertools import combinations
 
 import casadi as ca
@@ -20,7 +19,7 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.formulation.coupling import Coupling
-from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, rows
+from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, block, rows
 from benchbench.ocp.stop import Itinerary, Stop
 
 MADE = "made"
@@ -56,57 +55,60 @@ def choice(itinerary: Itinerary, made: Collection[Stop] | None) -> Mpcc:
 
 def _one(count: int) -> Mpcc:
     """Exactly one of all."""
-    z, one = ca.SX.sym("z", count), np.ones((1, 1))
-    total = replace(_block("one_stop", z, ca.sum1(z), [rows(MADE, count, [0])], 1), lower=one, upper=one)
-    first, second = zip(*combinations(range(count), 2), strict=True)
-    z = ca.SX.sym("z", 2)
-    return Mpcc(
-        (), (total,), (), (_pair("stop_or_stop", "two", z, z, [rows(MADE, 1, first), rows(MADE, 1, second)]),)
-    )
+    total = block("one_stop", [rows(MADE, count, [0])], ca.sum1, 1.0, 1.0, unit="1")
+    slots = [rows(MADE, 1, which) for which in zip(*combinations(range(count), 2), strict=True)]
+    either = _pair("stop_or_stop", slots, lambda one, other: [one, other], function="two")
+    return Mpcc((), (total,), (), (either,))
 
 
 def _skip(itinerary: Itinerary) -> Mpcc:
     """Each stop that may be left out is made or not."""
-    z, which = ca.SX.sym("z"), [i for i, stop in enumerate(itinerary.stops) if itinerary.may_skip(stop)]
-    return Mpcc(pairs=(_pair("stop_or_not", "zero_or_one", z, ca.vertcat(z, 1 - z), [rows(MADE, 1, which)]),))
+    which = [i for i, stop in enumerate(itinerary.stops) if itinerary.may_skip(stop)]
+    slots = [rows(MADE, 1, which)]
+    return Mpcc(pairs=(_pair("stop_or_not", slots, lambda y: [y, 1 - y], function="zero_or_one"),))
 
 
 def _links(itinerary: Itinerary) -> Iterator[Block]:
     """kappa_0 = kappa_init y for every stop."""
-    z, p = ca.SX.sym("z", 2), ca.SX.sym("p")
     for i, stop in enumerate(itinerary.stops):
-        slots = [rows(f"{stop.prefix}kappa", 1, [0]), rows(MADE, 1, [i])]
-        block = _block("stop_made", z, z[0] - p * z[1], slots, 1, p, np.array([[float(stop.kappa_init)]]))
-        yield replace(block, name=f"{stop.prefix}{MADE}")
+        yield block(
+            f"{stop.prefix}{MADE}", [rows(f"{stop.prefix}kappa", 1, [0]), rows(MADE, 1, [i])],
+            lambda kappa, y, p: kappa - p * y, parameters=_column([stop.kappa_init]), unit="1",
+            function="stop_made",
+        )  # fmt: skip
 
 
 def _rewards(itinerary: Itinerary) -> tuple[Block, ...]:
     if all(stop.reward is None for stop in itinerary.stops):
         return ()
-    z, p, count = ca.SX.sym("z"), ca.SX.sym("p"), len(itinerary.stops)
     worth = -_column(stop.reward or 0.0 for stop in itinerary.stops)
-    return (_block("reward", z, p * z, [rows(MADE, 1, range(count))], count, p, worth),)
+    slots = [rows(MADE, 1, range(len(worth)))]
+    return (block("reward", slots, lambda y, p: p * y, parameters=worth, unit="1"),)
 
 
 def _fixed_order(itinerary: Itinerary, n: int) -> Iterator[Pair]:
     """Each stop waits for the one before, and for those before that as long as the ones between may be left out."""
-    z = ca.SX.sym("z", 3)
     for j, later in enumerate(itinerary.stops):
         for earlier in reversed(itinerary.stops[:j]):
             slots = [*_progress(later, n), rows(f"{earlier.prefix}kappa", 1, range(n))]
-            name = f"{earlier.name}_before_{later.name}"
-            yield _pair(name, "in_order", z, ca.vertcat(z[0] - z[1], z[2]), slots)
+            yield _pair(f"{earlier.name}_before_{later.name}", slots, _in_order, function="in_order")
             if not itinerary.may_skip(earlier):
                 break
 
 
 def _free_order(itinerary: Itinerary, n: int) -> Iterator[Pair]:
     """No node serves two stops."""
-    z = ca.SX.sym("z", 4)
     for one, other in combinations(itinerary.stops, 2):
         slots = [*_progress(one, n), *_progress(other, n)]
-        both = ca.vertcat(z[0] - z[1], z[2] - z[3])
-        yield _pair(f"{one.name}_or_{other.name}", "not_at_once", z, both, slots)
+        yield _pair(f"{one.name}_or_{other.name}", slots, _not_at_once, function="not_at_once")
+
+
+def _in_order(now: ca.SX, then: ca.SX, to_come: ca.SX) -> list[ca.SX]:
+    return [now - then, to_come]
+
+
+def _not_at_once(now: ca.SX, then: ca.SX, other_now: ca.SX, other_then: ca.SX) -> list[ca.SX]:
+    return [now - then, other_now - other_then]
 
 
 def _progress(stop: Stop, n: int) -> list[Slot]:
@@ -114,19 +116,8 @@ def _progress(stop: Stop, n: int) -> list[Slot]:
     return [rows(f"{stop.prefix}kappa", 1, nodes) for nodes in (range(n), range(1, n + 1))]
 
 
-def _pair(name: str, function: str, z: ca.SX, both: ca.SX, slots: Sequence[Slot]) -> Pair:
-    block = _block(function, z, both, slots, len(slots[0].index))
-    return Pair(replace(block, name=name), "complementarity", sign_known=True)
-
-
-def _block(
-    name: str, z: ca.SX, out: ca.SX, slots: Sequence[Slot], count: int, p: ca.SX | None = None,
-    numbers: Array | None = None,
-) -> Block:  # fmt: skip
-    symbols = [z, ca.SX.sym("p", 0) if p is None else p, ca.SX.sym("sigma")]
-    parameters = np.zeros((count, 0)) if numbers is None else numbers
-    none = np.zeros((count, out.shape[0]))
-    return Block(name, ca.Function(name, symbols, [out]), tuple(slots), parameters, none, none, "1")
+def _pair(name: str, slots: Sequence[Slot], rule: Callable[..., list[ca.SX]], function: str) -> Pair:
+    return Pair(block(name, slots, rule, unit="1", function=function), "complementarity", sign_known=True)
 
 
 def _column(values: Iterable[float]) -> Array:

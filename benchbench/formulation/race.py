@@ -30,15 +30,12 @@ def straight_line(race: Race, case: Formulation) -> Plan:
     passed = np.concatenate([[0.0], np.cumsum(race.segments)]) / race.speed_guess
     time = np.linspace(0.0, passed[-1], race.intervals + 1)
     place = np.stack([np.interp(time, passed, column) for column in corners.T], axis=-1)
-    c, w, u = model.configuration, model.velocity, model.inputs
     lift = np.tile([0.0, 0.0, float(np.sum(model.hover()))], (race.intervals, 1))
     q, v, _ = racing(model).follow(time, place, np.gradient(place, time, axis=0), lift)
     progress = np.zeros(race.intervals + 1)
     progress[[int(np.argmin(np.abs(time - t))) for t in passed[1:]]] = 1.0
-    return Plan(
-        time, q, v, np.tile(model.hover(), (race.intervals, 1)), progress, "hold",
-        c.names, c.units, u.names, u.units, w.names, w.units,
-    )  # fmt: skip
+    hover = np.tile(model.hover(), (race.intervals, 1))
+    return Plan.of(model, time=time, configuration=q, velocity=v, inputs=hover, progress=progress)
 
 
 def segments(race: Race, intervals: int, guess: Array) -> Grid:

@@ -203,8 +203,9 @@ def _load(
     made = _compiled(folder, function.name()) if wanted else None
     value, first, second = made or _functions(folder)
     return Derivatives(
-        value, first, second, pattern.rows, pattern.columns, pattern.hessian_rows, pattern.hessian_columns,
-        compile != "never" and (made is not None or not worth),
+        value=value, jacobian=first, hessian=second, rows=pattern.rows, columns=pattern.columns,
+        hessian_rows=pattern.hessian_rows, hessian_columns=pattern.hessian_columns,
+        compiled=compile != "never" and (made is not None or not worth),
     )  # fmt: skip
 
 

@@ -8,9 +8,9 @@ a block addresses unknowns by variable name and position, never by a global inde
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import casadi as ca
 import numpy as np
@@ -82,6 +82,44 @@ class Block:
     def instances(self) -> int:
         """How many times the function is applied."""
         return len(self.parameters)
+
+
+def block(
+    name: str,
+    slots: Sequence[Slot],
+    rule: Callable[..., Any],
+    lower: Any = 0.0,
+    upper: Any = 0.0,
+    *,
+    parameters: Array | None = None,
+    unit: str = "",
+    function: str = "",
+    symbols: str = "",
+    sigma: ca.SX | None = None,
+) -> Block:
+    """Make a block of a rule, which says what one instance gives of what it reads.
+
+    rule        of the unknowns that each slot reads, (width,) each, and of p (n_p,) where there are parameters; returns
+                an expression (n_out,) or a list of scalar ones
+    parameters  (instances, n_p); lower, upper: broadcast to (instances, n_out), 0 unless given
+    function    name of its function, where several blocks share one; symbols: names of what the slots read, in order
+    sigma       the symbol of sigma, where the rule knows it
+    Raises ValueError where there are not as many names as slots.
+    """
+    count, widths = len(slots[0].index), [slot.index.shape[1] for slot in slots]
+    numbers = np.zeros((count, 0)) if parameters is None else np.asarray(parameters, float)
+    z, p = ca.SX.sym("z", sum(widths)), ca.SX.sym("p", numbers.shape[1])
+    reads = ca.vertsplit(z, np.cumsum([0, *widths]).tolist())
+    if names := symbols.split():
+        if len(names) != len(slots):
+            raise ValueError(f"block {name}: {len(names)} names for {len(slots)} slots")
+        reads = [ca.SX.sym(*one) for one in zip(names, widths, strict=True)]
+        z = ca.vertcat(*reads)
+    out = rule(*reads) if parameters is None else rule(*reads, p)
+    out = ca.vertcat(*out) if isinstance(out, list | tuple) else out
+    low, high = (np.array(np.broadcast_to(b, (count, out.shape[0])), float) for b in (lower, upper))
+    made = ca.Function(function or name, [z, p, ca.SX.sym("sigma") if sigma is None else sigma], [out])
+    return Block(name, made, tuple(slots), numbers, low, high, unit)
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,10 @@ def whole(
         out = ca.densify(ca.vertcat(*(ca.vec(functions[key].expand()(w, p)) for key in keys)))
         function = ca.Function(name, [w, p, sigma], [out])
         every = Slot("w", np.arange(start.size)[None, :])
-        return Block(name, function, (every,), parameters[None, :], lower[None, :], upper[None, :])
+        return Block(
+            name, function, (every,),
+            parameters=parameters[None, :], lower=lower[None, :], upper=upper[None, :],
+        )  # fmt: skip
 
     lower, upper, guess = (k.reshape(-1, 1) for k in (*unknowns, np.clip(start, *unknowns)))
     none = np.zeros(2 * functions["G"].numel_out(0))

@@ -15,11 +15,10 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-import casadi as ca
 import numpy as np
 
 from benchbench.errors import BenchBenchError, Unavailable
-from benchbench.mpcc.problem import Block, Mpcc, Variable, rows
+from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Point, Setup
 
 REFUSED = 3
@@ -62,13 +61,9 @@ def tiny() -> tuple[Mpcc, np.ndarray]:
     free = np.isnan(q)
     state = Variable("q", np.where(free, -9.0, q), np.where(free, 9.0, q), np.where(free, 0.5, q))
     u = Variable("u", np.full((3, 1), -5.0), np.full((3, 1), 5.0), np.zeros((3, 1)))
-    z, p, sigma, v = ca.SX.sym("z", 3), ca.SX.sym("p", 0), ca.SX.sym("sigma"), ca.SX.sym("v")
-    step = ca.Function("step", [z, p, sigma], [z[1] - z[0] - z[2]])
-    effort = ca.Function("effort", [v, p, sigma], [v**2])
-    none = np.zeros((3, 1))
     slots = (rows("q", 1, range(3)), rows("q", 1, range(1, 4)), rows("u", 1, range(3)))
-    dynamics = Block("step", step, slots, none[:, :0], none, none)
-    cost = Block("effort", effort, slots[2:], none[:, :0], none, none)
+    dynamics = block("step", slots, lambda here, there, u: there - here - u)
+    cost = block("effort", slots[2:], lambda u: u**2)
     return Mpcc((state, u), (dynamics,), (cost,)), np.array([0.0, 1.0, 2.0, 3.0, 1.0, 1.0, 1.0])
 
 

@@ -88,14 +88,15 @@ def assemble(mpcc: Mpcc, compile: Compile = "auto", adjustable: Collection[str] 
     jacobian = _scatter([part.jacobian() for part in parts[costs:]], (m, n))
     weights = [lam_f] * costs + list(ca.vertsplit(lam_g, firsts[costs:]) if sizes else [])
     hessian = _scatter([part.hessian(w) for part, w in zip(parts, weights, strict=True)], (n, n))
+    lower_g, upper_g = _row_bounds(mpcc)
     return Program(
-        x, p, f, g,
-        ca.Function("nlp_grad_f", [x, p], [f, gradient], ["x", "p"], ["f", "grad_f_x"]),
-        ca.Function("nlp_jac_g", [x, p], [g, jacobian], ["x", "p"], ["g", "jac_g_x"]),
-        ca.Function("nlp_hess_l", [x, p, lam_f, lam_g], [hessian], ["x", "p", "lam_f", "lam_g"],
-                    ["triu_hess_gamma_x_x"]),
-        mpcc.lower, mpcc.upper, *_row_bounds(mpcc), mpcc.guess, all(d.compiled for d in local),
-        frozenset(adjustable),
+        x=x, p=p, f=f, g=g,
+        gradient=ca.Function("nlp_grad_f", [x, p], [f, gradient], ["x", "p"], ["f", "grad_f_x"]),
+        jacobian=ca.Function("nlp_jac_g", [x, p], [g, jacobian], ["x", "p"], ["g", "jac_g_x"]),
+        hessian=ca.Function("nlp_hess_l", [x, p, lam_f, lam_g], [hessian], ["x", "p", "lam_f", "lam_g"],
+                            ["triu_hess_gamma_x_x"]),
+        lower_x=mpcc.lower, upper_x=mpcc.upper, lower_g=lower_g, upper_g=upper_g, guess=mpcc.guess,
+        compiled=all(d.compiled for d in local), adjustable=frozenset(adjustable),
     )  # fmt: skip
 
 

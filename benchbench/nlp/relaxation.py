@@ -209,7 +209,9 @@ class _PairBlock:
         slots = [Slot(n, np.arange(m * len(u)).reshape(m, -1)) for n, u in self._own().items()]
         slots += [Slot(s.symbol.name(), np.zeros((m, 1), dtype=np.int64)) for s in self.shared]
         none = np.zeros((m, out.shape[0]))
-        return Block(name, function, (*block.slots, *slots), block.parameters, none, none, block.unit)
+        return replace(
+            block, name=name, function=function, slots=(*block.slots, *slots), lower=none, upper=none
+        )
 
     def _every(self, values: list[float]) -> Array:
         """The same values for every instance."""
@@ -232,10 +234,10 @@ def _shared(unknown: Shared, sigma: ca.SX) -> Mpcc:
     """The unknown and its cost."""
     name, none = unknown.symbol.name(), np.zeros((1, 1))
     low, high, guess = (np.full((1, 1), x) for x in (unknown.lower, unknown.upper, unknown.guess))
-    cost = ca.Function(f"{name}_cost", [unknown.symbol, ca.SX.sym("p", 0), sigma], [unknown.cost])
-    slot = Slot(name, none.astype(np.int64))
-    block = Block(f"{name}_cost", cost, (slot,), np.zeros((1, 0)), none, none)
-    return Mpcc((Variable(name, low, high, guess),), (), (block,))
+    function = ca.Function(f"{name}_cost", [unknown.symbol, ca.SX.sym("p", 0), sigma], [unknown.cost])
+    slots = (Slot(name, none.astype(np.int64)),)
+    cost = Block(f"{name}_cost", function, slots, parameters=np.zeros((1, 0)), lower=none, upper=none)
+    return Mpcc((Variable(name, low, high, guess),), (), (cost,))
 
 
 def _relax_scalar(

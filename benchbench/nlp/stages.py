@@ -21,7 +21,7 @@ import numpy as np
 
 from benchbench.arrays import Array, Index
 from benchbench.errors import IncompatibleCase
-from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, gather
+from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, block, gather
 from benchbench.nlp.program import Program
 from benchbench.nlp.solver import Point
 
@@ -91,10 +91,11 @@ def stages(mpcc: Mpcc) -> Stages:
     )
     link_stage = np.repeat(np.arange(layout.intervals), links.instances // layout.intervals)
     return Stages(
-        Mpcc((variable,), (links, *constraints), tuple(costs)),
-        np.argsort(np.concatenate([link_stage, stage]), kind="stable"),
-        layout.states, layout.inputs, tuple(np.bincount(stage, minlength=layout.intervals + 1).tolist()),
-        layout.source, layout.home,
+        mpcc=Mpcc((variable,), (links, *constraints), tuple(costs)),
+        order=np.argsort(np.concatenate([link_stage, stage]), kind="stable"),
+        states=layout.states, inputs=layout.inputs,
+        path=tuple(np.bincount(stage, minlength=layout.intervals + 1).tolist()),
+        source=layout.source, home=layout.home,
     )  # fmt: skip
 
 
@@ -145,8 +146,10 @@ class _Layout:
             states.append(own)
             inputs.append(len(part) - own)
         home[shared] = carried[0]
-        return cls(count, node, interval, column, home, ahead, np.array(carried), np.concatenate(order),
-                   tuple(states), tuple(inputs))  # fmt: skip
+        return cls(
+            intervals=count, node=node, interval=interval, column=column, home=home, ahead=ahead,
+            carried=np.array(carried), source=np.concatenate(order), states=tuple(states), inputs=tuple(inputs),
+        )  # fmt: skip
 
     def stage(self, block: Block, mpcc: Mpcc) -> Index:
         """Stage of each instance (instances,): the first node or interval it reads, 0 if none."""
@@ -171,10 +174,7 @@ class _Layout:
             pairs.append(np.stack([self.home[linked], self.ahead[linked]], axis=1))
             pairs.append(np.stack([self.carried[k + 1], self.carried[k]], axis=1))
         place = np.concatenate(pairs)
-        z = ca.SX.sym("z", 2)
-        function = ca.Function("link", [z, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [z[0] - z[1]])
-        none = np.zeros((len(place), 1))
-        return Block("link", function, (Slot(ALL, place),), none[:, :0], none, none)
+        return block("link", [Slot(ALL, place)], lambda z: z[0] - z[1])
 
     def bound(self, values: Array, free: float) -> Array:
         """Bounds of the staged unknowns: copies are free."""
@@ -186,9 +186,9 @@ class _Layout:
 def _intervals(mpcc: Mpcc) -> int:
     """N: a variable of which some block reads two neighbouring rows has one row per node."""
     shapes = {v.name: v.guess.shape for v in mpcc.variables}
-    for block in mpcc.constraints:
-        for i, one in enumerate(block.slots):
-            for two in block.slots[i + 1 :]:
+    for read in mpcc.constraints:
+        for i, one in enumerate(read.slots):
+            for two in read.slots[i + 1 :]:
                 if one.variable != two.variable or one.index.shape != two.index.shape or not one.index.size:
                     continue
                 rows, columns = shapes[one.variable]
@@ -219,9 +219,9 @@ def _linked(mpcc: Mpcc, node: Index, interval: Index) -> np.ndarray:
         [mpcc.offsets[v.name] + np.tile(np.arange(v.guess.shape[1]), len(v.guess)) for v in mpcc.variables]
     )
     seen = np.zeros(mpcc.size, bool)
-    for block in (*mpcc.constraints, *mpcc.costs):
-        index = gather(block, mpcc.offsets)
-        later = node[index] == _stage(block, index, node, interval)[:, None] + 1
+    for one in (*mpcc.constraints, *mpcc.costs):
+        index = gather(one, mpcc.offsets)
+        later = node[index] == _stage(one, index, node, interval)[:, None] + 1
         seen[column[index[later]]] = True
     return seen[column] & (node >= 0)
 

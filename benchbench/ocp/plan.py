@@ -10,6 +10,7 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.ocp.columns import NODE, TIME, input_columns, progress_columns, velocity_columns
+from benchbench.ocp.model import Model
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,6 +70,27 @@ class Plan:
         for name, shape in wanted.items():
             if getattr(self, name).shape != shape:
                 raise ValueError(f"plan.{name} has shape {getattr(self, name).shape}, expected {shape}")
+
+    @classmethod
+    def of(
+        cls,
+        model: Model,
+        *,
+        time: Array,
+        configuration: Array,
+        velocity: Array,
+        inputs: Array,
+        progress: Array,
+        interpolation: Interpolation = "hold",
+        stop_names: tuple[str, ...] = ("target",),
+    ) -> Plan:
+        """Return the plan of a model, with its names and units."""
+        q, v, u = model.configuration, model.velocity, model.inputs
+        return cls(
+            time=time, configuration=configuration, velocity=velocity, inputs=inputs, progress=progress,
+            interpolation=interpolation, coordinate_names=q.names, coordinate_units=q.units, input_names=u.names,
+            input_units=u.units, velocity_names=v.names, velocity_units=v.units, stop_names=stop_names,
+        )  # fmt: skip
 
     @property
     def intervals(self) -> int:

@@ -62,11 +62,12 @@ def straight_line(case: Case, sequence: Sequence[Stop] | None = None) -> Plan:
 
 def hovering(case: Case, time: Array, q: Array, progress: Array) -> Plan:
     """Make a plan of nodes at `time` (n + 1,) s, at hover, that moves as q (n + 1, n_q) does."""
-    c, w, u = case.model.configuration, case.model.velocity, case.model.inputs
+    c, w = case.model.configuration, case.model.velocity
     moving = np.gradient(q, time, axis=0) if c.names == w.names else np.zeros((len(time), len(w.names)))
-    return Plan(
-        time, q, moving, np.tile(case.model.hover(), (len(time) - 1, 1)), progress, "hold",
-        c.names, c.units, u.names, u.units, w.names, w.units, case.scenario.itinerary.names,
+    return Plan.of(
+        case.model, time=time, configuration=q, velocity=moving,
+        inputs=np.tile(case.model.hover(), (len(time) - 1, 1)), progress=progress,
+        stop_names=case.scenario.itinerary.names,
     )  # fmt: skip
 
 

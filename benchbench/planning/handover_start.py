@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.mpcc.problem import Block, Mpcc, rows
+from benchbench.mpcc.problem import Block, Mpcc, block, rows
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.motion import motion_state
 from benchbench.ocp.plan import Plan
@@ -49,14 +49,14 @@ def point_mass_plan(case: Case, ledger: Ledger) -> Plan:
 def _meeting(grid: Grid, stop: Stop, phases: int, hang: Array) -> Block:
     """|p + hang - p_T|^2 <= NEAR^2 and |v - v_T|^2 <= SLOW^2 at the node after so many phases, scaled."""
     motion, count, node = stop.target, len(grid.phases), phases * INTERVALS
-    p, v, duration = ca.SX.sym("p", 3), ca.SX.sym("v", 3), ca.SX.sym("T", count)
-    numbers = ca.SX.sym("n", 3 + count + len(motion.parameters))
-    time = ca.dot(numbers[3 : 3 + count], duration)
-    position, velocity = motion_state(motion, time, numbers[3 + count :])
-    far, fast = p + numbers[:3] - position, v - velocity
-    h = ca.vertcat(ca.sumsqr(far) / NEAR**2, ca.sumsqr(fast) / SLOW**2) - 1
-    function = ca.Function("meeting", [ca.vertcat(p, v, duration), numbers, ca.SX.sym("sigma")], [h])
+
+    def near_and_slow(p: ca.SX, v: ca.SX, duration: ca.SX, numbers: ca.SX) -> ca.SX:
+        time = ca.dot(numbers[3 : 3 + count], duration)
+        position, velocity = motion_state(motion, time, numbers[3 + count :])
+        far, fast = p + numbers[:3] - position, v - velocity
+        return ca.vertcat(ca.sumsqr(far) / NEAR**2, ca.sumsqr(fast) / SLOW**2) - 1
+
     slots = (rows("p", 3, [node]), rows("v", 3, [node]), durations(grid, 1))
     given = np.concatenate([hang, grid.time_weights[node], motion.parameters])[None]
-    none = np.zeros((1, 2))
-    return Block(f"{stop.prefix}meeting", function, slots, given, none - np.inf, none, "1")
+    name = f"{stop.prefix}meeting"
+    return block(name, slots, near_and_slow, -np.inf, parameters=given, unit="1", function="meeting")

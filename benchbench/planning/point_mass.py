@@ -11,14 +11,14 @@ import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.mpcc.problem import Block, Mpcc, Variable, rows
+from benchbench.mpcc.problem import Block, Mpcc, Variable, block, rows
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.model import racing, space
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.transcription.grid import Grid
-from benchbench.transcription.nodal import durations, own_duration, total_time
+from benchbench.transcription.nodal import own_duration, total_time, travel_time
 
 SHORTEST = 1e-3
 """Shortest duration of a phase in s."""
@@ -37,11 +37,10 @@ def fly(case: Case, ledger: Ledger, grid: Grid, corners: Array, conditions: Mpcc
         mpcc = _problem(case, grid, corners) + conditions
     values = homotopy(mpcc, case, ledger, "guess: point mass").values
     time = grid.time_weights @ values["T"].ravel()
-    model, c = case.model, case.model.configuration
-    q, v, u = racing(model).follow(time, values["p"], values["v"], values["f"])
-    return Plan(
-        time, q, v, u, progress, "hold", c.names, c.units, model.inputs.names, model.inputs.units,
-        model.velocity.names, model.velocity.units, case.scenario.itinerary.names,
+    q, v, u = racing(case.model).follow(time, values["p"], values["v"], values["f"])
+    return Plan.of(
+        case.model, time=time, configuration=q, velocity=v, inputs=u, progress=progress,
+        stop_names=case.scenario.itinerary.names,
     )  # fmt: skip
 
 
@@ -76,7 +75,7 @@ def _problem(case: Case, grid: Grid, corners: Array) -> Mpcc:
         Variable("T", 0 * duration + SHORTEST, 0 * duration + scenario.travel_time[1], duration, "s"),
     )
     blocks = (_steps(grid, lift), _thrust(strongest))
-    return Mpcc(variables, blocks, (_travel_time(grid),)) + total_time(scenario, grid)
+    return Mpcc(variables, blocks, (travel_time(grid),)) + total_time(scenario, grid)
 
 
 def _phase_ends(grid: Grid) -> tuple[Array, Array]:
@@ -86,38 +85,20 @@ def _phase_ends(grid: Grid) -> tuple[Array, Array]:
 
 
 def _steps(grid: Grid, gravity: float) -> Block:
-    p0, v0, p1, v1, f = (ca.SX.sym(k, 3) for k in ("p0", "v0", "p1", "v1", "f"))
-    duration, p = ca.SX.sym("T"), ca.SX.sym("p", 2)
-    h, a = p[0] * duration, f - ca.vertcat(0, 0, p[1])
-    out = ca.vertcat(p1 - p0 - h * v0 - h**2 / 2 * a, v1 - v0 - h * a)
-    z = ca.vertcat(p0, v0, p1, v1, f, duration)
     left, right = range(grid.intervals), range(1, grid.intervals + 1)
     own, share = own_duration(grid)
     slots = (*(rows(k, 3, w) for w in (left, right) for k in ("p", "v")), rows("f", 3, left), own)
-    zero = np.zeros((grid.intervals, 6))
+
+    def step(p0: ca.SX, v0: ca.SX, p1: ca.SX, v1: ca.SX, f: ca.SX, duration: ca.SX, p: ca.SX) -> ca.SX:
+        h, a = p[0] * duration, f - ca.vertcat(0, 0, p[1])
+        return ca.vertcat(p1 - p0 - h * v0 - h**2 / 2 * a, v1 - v0 - h * a)
+
     numbers = np.hstack([share, np.full_like(share, gravity)])
-    function = ca.Function("point_mass", [z, p, ca.SX.sym("sigma")], [out])
-    return Block("point_mass", function, slots, numbers, zero, zero, "m, m/s")
+    return block("point_mass", slots, step, parameters=numbers, unit="m, m/s")
 
 
 def _thrust(strongest: Array) -> Block:
-    f, most = ca.SX.sym("f", 3), ca.SX.sym("most")
-    function = ca.Function("thrust", [f, most, ca.SX.sym("sigma")], [ca.sumsqr(f) / most**2])
-    zero = np.zeros((len(strongest), 1))
-    return Block(
-        "thrust",
-        function,
-        (rows("f", 3, range(len(strongest))),),
-        strongest[:, None],
-        zero - np.inf,
-        zero + 1,
+    slots = [rows("f", 3, range(len(strongest)))]
+    return block(
+        "thrust", slots, lambda f, most: ca.sumsqr(f) / most**2, -np.inf, 1.0, parameters=strongest[:, None]
     )
-
-
-def _travel_time(grid: Grid) -> Block:
-    duration = ca.SX.sym("T", len(grid.phases))
-    function = ca.Function(
-        "travel_time", [duration, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [ca.sum1(duration)]
-    )
-    none = np.zeros((1, 1))
-    return Block("travel_time", function, (durations(grid, 1),), none[:, :0], none, none, "s")

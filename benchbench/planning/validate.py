@@ -6,14 +6,13 @@ import contextlib
 import io
 import re
 
-import casadi as ca
 import numpy as np
 
 from benchbench import registry
 from benchbench.arrays import Array
 from benchbench.certificate.bound import AXES, arm_reach, lower_bound
 from benchbench.errors import BadInput, IncompatibleCase
-from benchbench.mpcc.problem import Block, Mpcc, Variable, rows
+from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Setup
 from benchbench.ocp.model import LagrangianModel, RacingModel
 from benchbench.ocp.motion import sample
@@ -198,11 +197,7 @@ def _solver(case: AnyCase) -> None:
 
 def _smallest() -> Mpcc:
     """Minimise (x - 1)^2 for -2 <= x <= 2."""
-    z, p, sigma = ca.SX.sym("z"), ca.SX.sym("p", 0), ca.SX.sym("sigma")
-    zero, two = np.zeros((1, 1)), np.full((1, 1), 2.0)
-    read = (rows("x", 1, [0]),)
-    cost = Block(
-        "probe_cost", ca.Function("probe_cost", [z, p, sigma], [(z - 1) ** 2]), read, zero[:, :0], zero, zero
-    )
-    row = Block("probe_row", ca.Function("probe_row", [z, p, sigma], [z]), read, zero[:, :0], -two, two)
-    return Mpcc((Variable("x", -two, two, zero),), (row,), (cost,))
+    two, x = np.full((1, 1), 2.0), [rows("x", 1, [0])]
+    cost = block("probe_cost", x, lambda x: (x - 1) ** 2)
+    row = block("probe_row", x, lambda x: x, -2.0, 2.0)
+    return Mpcc((Variable("x", -two, two, 0 * two),), (row,), (cost,))

@@ -67,7 +67,8 @@ def flight_of(plan: Plan) -> Flight:
     arm = np.stack([q[ARM], v[ARM], u[SERVO]], axis=-1) if ARM in q and SERVO in u else None
     progress = plan.progress if plan.progress.ndim == 1 and plan.progress.any() else None
     return Flight(
-        plan.time, position, continuous(scalar_first), _columns(v, speeds), rates, _columns(u, MOTORS), arm, progress
+        time=plan.time, position=position, quaternion=continuous(scalar_first), velocity=_columns(v, speeds),
+        body_rates=rates, thrusts=_columns(u, MOTORS), arm=arm, progress=progress,
     )  # fmt: skip
 
 
@@ -96,10 +97,10 @@ def plan_of(flight: Flight, model: Model, interpolation: Interpolation) -> Plan:
         raise BadInput("vehicle", problem, allowed)
     inputs = _columns(u, i.names)
     progress = np.zeros(len(flight.time)) if flight.progress is None else flight.progress
-    return Plan(
-        flight.time - flight.time[0], _columns(q, c.names), _columns(v, w.names),
-        inputs[:-1] if interpolation == "hold" else inputs, progress, interpolation,
-        c.names, c.units, i.names, i.units, w.names, w.units,
+    return Plan.of(
+        model, time=flight.time - flight.time[0], configuration=_columns(q, c.names),
+        velocity=_columns(v, w.names), inputs=inputs[:-1] if interpolation == "hold" else inputs,
+        progress=progress, interpolation=interpolation,
     )  # fmt: skip
 
 

@@ -34,10 +34,11 @@ def plan_of_frame(frame: pd.DataFrame, model: Model, where: str = "frame") -> Pl
     stops = stops_of([str(name) for name in frame.columns]) or ["target"]
     claims = [name for name in progress_columns(stops) if name in frame.columns]
     progress = _values(frame, claims, where) if claims else np.zeros((len(time), 1))
-    return Plan(
-        time - time[0], _values(frame, q.names, where), _values(frame, moving, where), inputs,
-        progress[:, 0] if len(stops) == 1 else progress, interpolation,
-        q.names, q.units, u.names, u.units, v.names, v.units, tuple(stops),
+    return Plan.of(
+        model, time=time - time[0], configuration=_values(frame, q.names, where),
+        velocity=_values(frame, moving, where), inputs=inputs,
+        progress=progress[:, 0] if len(stops) == 1 else progress, interpolation=interpolation,
+        stop_names=tuple(stops),
     )  # fmt: skip
 
 

@@ -95,8 +95,9 @@ def _plan(tables: dict[str, _Table]) -> Plan:
     q, v, u, progress = (tables[topic] for topic in TOPICS[:4])
     interpolation: Interpolation = {len(q.time) - 1: "hold", len(q.time): "linear"}.get(len(u.time), "bezier")  # type: ignore[assignment]
     return Plan(
-        q.time, q.values, v.values, u.values, progress.values, interpolation,
-        q.names, q.units, u.names, u.units, v.names, v.units, _stops(progress.names),
+        time=q.time, configuration=q.values, velocity=v.values, inputs=u.values, progress=progress.values,
+        interpolation=interpolation, coordinate_names=q.names, coordinate_units=q.units, input_names=u.names,
+        input_units=u.units, velocity_names=v.names, velocity_units=v.units, stop_names=_stops(progress.names),
     )  # fmt: skip
 
 

@@ -13,7 +13,7 @@ import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Array, Index
-from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
+from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, block, rows
 from benchbench.ocp.model import Model, input_bounds, output, output_box
 from benchbench.ocp.node import Node
 from benchbench.ocp.plan import Interpolation, Plan
@@ -61,12 +61,9 @@ class NodalTrajectory:
 
     def decode(self, values: dict[str, Array], progress: Array) -> Plan:
         """Turn named values into a plan."""
-        c, w, u = self.model.configuration, self.model.velocity, self.model.inputs
-        return Plan(
-            time=self.grid.time_weights @ values["T"].ravel(),
-            configuration=values["q"], velocity=values["v"], inputs=values["u"], progress=progress,
-            interpolation=self.interpolation, coordinate_names=c.names, coordinate_units=c.units,
-            input_names=u.names, input_units=u.units, velocity_names=w.names, velocity_units=w.units,
+        return Plan.of(
+            self.model, time=self.grid.time_weights @ values["T"].ravel(), configuration=values["q"],
+            velocity=values["v"], inputs=values["u"], progress=progress, interpolation=self.interpolation,
         )  # fmt: skip
 
     def encode(self, plan: Plan) -> dict[str, Array]:
@@ -144,40 +141,37 @@ def cost(
 
     With `per_interval` control points in each interval each has its share of the step; no effort for c_u = 0.
     """
-    n_u = len(model.inputs.names)
-    s = ca.SX.sym("sigma")
-    duration = ca.SX.sym("T", len(grid.phases))
-    time = ca.Function("travel_time", [duration, ca.SX.sym("p", 0), s], [ca.sum1(duration)])
-    none = np.zeros((input_rows, 1))
-    total = Block("travel_time", time, (durations(grid, 1),), np.zeros((1, 0)), none[:1], none[:1], "s")
     if scenario.input_cost == 0.0:
-        return (total,)
-    u, own, p = ca.SX.sym("u", n_u), ca.SX.sym("T"), ca.SX.sym("p", 2 + n_u)
-    effort = p[1] * p[0] * own * ca.sumsqr(u - p[2:])
+        return (travel_time(grid),)
     interval = np.minimum(np.arange(input_rows) // per_interval, grid.intervals - 1)
     slot, steps = own_duration(grid, interval.tolist())
     steps = steps / per_interval
     constants = np.tile([scenario.input_cost, *model.hover()], (input_rows, 1))
+
+    def effort(u: ca.SX, own: ca.SX, p: ca.SX) -> ca.SX:
+        return p[1] * p[0] * own * ca.sumsqr(u - p[2:])
+
+    slots, numbers = (
+        (rows("u", len(model.inputs.names), range(input_rows)), slot),
+        np.hstack([steps, constants]),
+    )
     return (
-        total,
-        Block(
-            "input_cost", ca.Function("input_cost", [ca.vertcat(u, own), p, s], [effort]),
-            (rows("u", n_u, range(input_rows)), slot), np.hstack([steps, constants]),
-            none, none, "s",
-        ),
-    )  # fmt: skip
+        travel_time(grid),
+        block("input_cost", slots, effort, parameters=numbers, unit="s", symbols="u T"),
+    )
+
+
+def travel_time(grid: Grid) -> Block:
+    """The sum of all durations, as a cost."""
+    return block("travel_time", (durations(grid, 1),), ca.sum1, unit="s", symbols="T")
 
 
 def total_time(scenario: Scenario, grid: Grid) -> Mpcc:
     """Limit the sum of all durations where there are several phases (one phase has it as a bound)."""
     if len(grid.phases) == 1:
         return Mpcc()
-    duration = ca.SX.sym("T", len(grid.phases))
-    function = ca.Function(
-        "total_time", [duration, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [ca.sum1(duration)]
-    )
-    low, high = (np.array([[bound]]) for bound in scenario.travel_time)
-    return Mpcc((), (Block("total_time", function, (durations(grid, 1),), np.zeros((1, 0)), low, high, "s"),))
+    total = block("total_time", (durations(grid, 1),), ca.sum1, *scenario.travel_time, unit="s", symbols="T")
+    return Mpcc((), (total,))
 
 
 def output_limits(scenario: Scenario, model: Model, grid: Grid) -> Mpcc:
@@ -186,14 +180,14 @@ def output_limits(scenario: Scenario, model: Model, grid: Grid) -> Mpcc:
         return Mpcc()
     low, high = scenario.planned_outputs_at(model, scenario.flown(model, grid.intervals + 1))
     finite = np.flatnonzero(np.isfinite(low).any(axis=0) | np.isfinite(high).any(axis=0)).tolist()
-    q, v = ca.SX.sym("q", len(model.configuration.names)), ca.SX.sym("v", len(model.velocity.names))
-    z, nodes = ca.vertcat(q, v), range(1, grid.intervals + 1)
-    function = ca.Function(
-        "outputs", [z, ca.SX.sym("p", 0), ca.SX.sym("sigma")], [output(model, q, v)[finite]]
-    )
-    slots = (rows("q", q.shape[0], nodes), rows("v", v.shape[0], nodes))
-    none, bottom, top = np.zeros((len(nodes), 0)), low[1:, finite], high[1:, finite]
-    return Mpcc((), (Block("outputs", function, slots, none, bottom, top, "rad, rad/s"),))
+    sizes, nodes = (len(model.configuration.names), len(model.velocity.names)), range(1, grid.intervals + 1)
+    slots = [rows(name, size, nodes) for name, size in zip("qv", sizes, strict=True)]
+
+    def limited(q: ca.SX, v: ca.SX) -> ca.SX:
+        return output(model, q, v)[finite]
+
+    bounds = low[1:, finite], high[1:, finite]
+    return Mpcc((), (block("outputs", slots, limited, *bounds, unit="rad, rad/s", symbols="q v"),))
 
 
 def each_interval(
@@ -202,21 +196,20 @@ def each_interval(
 ) -> Block:  # fmt: skip
     """Block `rule(q0, v0, q1, v1, u0, [u1], h)` on every interval, rows bounded by `bounds`."""
     sizes = {"q": len(model.configuration.names), "v": len(model.velocity.names)}
-    n_u, count = len(model.inputs.names), grid.intervals
-    state = [ca.SX.sym(f"{k}{side}", sizes[k]) for side in (0, 1) for k in ("q", "v")]
-    inputs = [ca.SX.sym(f"u{i}", n_u) for i in range(inputs_per_interval)]
-    duration, p = ca.SX.sym("T"), ca.SX.sym("p")
-    out = rule(*state, *inputs, p * duration)
-    function = ca.Function(name, [ca.vertcat(*state, *inputs, duration), p, ca.SX.sym("sigma")], [out])
-    left, right = range(count), range(1, count + 1)
+    left, right = range(grid.intervals), range(1, grid.intervals + 1)
     own, share = own_duration(grid)
     slots = (
         *(rows(k, sizes[k], which) for which in (left, right) for k in ("q", "v")),
-        *(rows("u", n_u, which) for which in (left, right)[:inputs_per_interval]),
+        *(rows("u", len(model.inputs.names), which) for which in (left, right)[:inputs_per_interval]),
         own,
     )
-    low, high = (np.full((count, out.shape[0]), bound) for bound in bounds)
-    return Block(name, function, slots, share, low, high, unit)
+
+    def row(*reads: ca.SX) -> ca.SX:
+        *state_and_inputs, duration, p = reads
+        return rule(*state_and_inputs, p * duration)
+
+    symbols = "q0 v0 q1 v1 u0 T" if inputs_per_interval == 1 else "q0 v0 q1 v1 u0 u1 T"
+    return block(name, slots, row, *bounds, parameters=share, unit=unit, symbols=symbols)
 
 
 def _with_ends(

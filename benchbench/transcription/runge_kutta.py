@@ -179,7 +179,8 @@ def _velocities(name: str, stages: Stages, end: Slot, weights: Array) -> Block:
     function = ca.Function(f"increment_{m}", [z, p, ca.SX.sym("sigma")], [last - first - slope @ p])
     slots = (rows("v", n, range(count)), end, *(stages.increment(j) for j in used))
     zero = np.zeros((count, n))
-    return Block(name, function, slots, np.tile(weights[used], (count, 1)), zero, zero, "m/s, rad/s")
+    numbers = np.tile(weights[used], (count, 1))
+    return Block(name, function, slots, parameters=numbers, lower=zero, upper=zero, unit="m/s, rad/s")
 
 
 def _positions(name: str, stages: Stages, model: Model, end: Slot, weights: Array, at_node: bool) -> Block:
@@ -203,10 +204,8 @@ def _positions(name: str, stages: Stages, model: Model, end: Slot, weights: Arra
     parts: tuple[State, ...] = ("v",) if plain else _STATES
     own, share = own_duration(stages.grid)
     slots = (rows("q", n, range(count)), end, *(stages.state(s, j) for j in used for s in parts), own)
-    zero = np.zeros((count, n))
-    return Block(
-        name, function, slots, np.hstack([share, np.tile(weights[used], (count, 1))]), zero, zero, "m, rad"
-    )
+    numbers, zero = np.hstack([share, np.tile(weights[used], (count, 1))]), np.zeros((count, n))
+    return Block(name, function, slots, parameters=numbers, lower=zero, upper=zero, unit="m, rad")
 
 
 def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Iterator[Block]:
@@ -241,4 +240,7 @@ def _euler_lagrange(stages: Stages, model: Model, controls: list[Slot]) -> Itera
             own,
         )
         numbers = np.hstack([share, np.full((count, 1), place)])
-        yield Block(f"euler_lagrange_{i}", function, slots, numbers, zero, zero, "kg m/s, kg m^2/s")
+        yield Block(
+            f"euler_lagrange_{i}", function, slots,
+            parameters=numbers, lower=zero, upper=zero, unit="kg m/s, kg m^2/s",
+        )  # fmt: skip

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Array
+from benchbench.mpcc import problem
 from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable
 
 Expression = Callable[..., Sequence[Any]]
@@ -29,19 +30,19 @@ def unknowns(
 def block(
     name: str, where: Any, outputs: Expression, lower: Any = 0.0, upper: Any = 0.0, parameters: Any = None
 ) -> Block:
-    """`outputs(z, p, sigma)` with `parameters` (instances, n_p).
+    """`outputs(z, p, sigma)`, of lists of scalars, with `parameters` (instances, n_p).
 
     `where` are slots, or the places in "x" that each instance reads, (instances, n_z).
     """
     if not isinstance(where, tuple):
         where = (Slot("x", np.atleast_2d(np.asarray(where, dtype=np.int64))),)
-    count = len(where[0].index)
-    numbers = np.zeros((count, 0)) if parameters is None else np.asarray(parameters, float)
-    z = ca.SX.sym("z", sum(slot.index.shape[1] for slot in where))
-    p, sigma = ca.SX.sym("p", numbers.shape[1]), ca.SX.sym("sigma")
-    out = ca.vertcat(*outputs(ca.vertsplit(z), ca.vertsplit(p) if p.numel() else [], sigma))
-    low, high = (np.broadcast_to(np.asarray(b, float), (count, out.shape[0])).copy() for b in (lower, upper))
-    return Block(name, ca.Function(name, [z, p, sigma], [out]), where, numbers, low, high)
+
+    def rule(*reads: ca.SX) -> Sequence[Any]:
+        z, p = reads[: len(where)], reads[len(where) :]
+        return outputs(*(ca.vertsplit(ca.vertcat(*part)) if part else [] for part in (z, p)), sigma)
+
+    sigma = ca.SX.sym("sigma")
+    return problem.block(name, where, rule, lower, upper, parameters=parameters, sigma=sigma)
 
 
 @dataclass(frozen=True)
