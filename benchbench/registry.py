@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from typing import Any
 
 FAMILIES = (
     "models", "dynamics", "contacts", "motions", "relaxations", "solvers", "strategies", "guesses", "collections", "peers",
@@ -35,13 +38,30 @@ def installed(family: str) -> list[Plugin]:
     """Return the plugins of one of `FAMILIES`, ordered by name; raises ValueError for another family."""
     if family not in FAMILIES:
         raise ValueError(f"there is no family {family!r}; families: {', '.join(FAMILIES)}")
-    found = {(entry.name, entry.value): entry for entry in entry_points(group=f"benchbench.{family}")}
-    return [_load(family, found[key]) for key in sorted(found)]
+    return [_load(family, entry) for _, group in sorted(entries(family).items()) for entry in group]
+
+
+def entries(group: str) -> dict[str, tuple[EntryPoint, ...]]:
+    """Return the entry points of `benchbench.<group>` by name, from metadata alone; nothing is imported.
+
+    A name has several where packages disagree about what it is.
+    """
+    found = {
+        (entry.name, entry.value): entry
+        for entry in _scanned(tuple(sys.path)).select(group=f"benchbench.{group}")
+    }
+    return {name: tuple(found[key] for key in sorted(found) if key[0] == name) for name, _ in found}
+
+
+@cache
+def _scanned(path: tuple[str, ...]) -> Any:
+    """All entry points of the packages on a path, read once: EntryPoints, or Python 3.11's elder form of it."""
+    return entry_points()
 
 
 def targets(families: Iterable[str] = FAMILIES) -> set[str]:
     """Return what is registered in some families as "module:Class", without loading any of it."""
-    return {entry.value for family in families for entry in entry_points(group=f"benchbench.{family}")}
+    return {entry.value for family in families for group in entries(family).values() for entry in group}
 
 
 def _load(family: str, entry: EntryPoint) -> Plugin:

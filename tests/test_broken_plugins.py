@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
@@ -281,7 +281,7 @@ class Product(Relaxation):
     signs: bool = True
     kinked: bool = False
     schedule: tuple[float, ...] = (1e-1, 1e-2, 1e-4, 1e-7)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
-from pathlib import Path
 from typing import final
 
 import casadi as ca
@@ -25,9 +24,9 @@ from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
 from benchbench.ocp.plan import Plan
 from benchbench.pipeline import run
 from benchbench.planning.case import Case, Guess
-from benchbench.run.config import compose, folder
+from benchbench.run.config import choices, compose
 
-NAMES = sorted(p.stem for p in Path(folder(), "relaxation").glob("*.yaml") if p.stem != "none")
+NAMES = [name for name in choices("relaxation") if name != "none"]
 """All but "none", which leaves the pairs to a solver that takes them."""
 Set = Callable[[Array, Array, float], Array]
 

@@ -68,7 +68,12 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
         new = dict(zip(options.overrides, carried(options.overrides), strict=True))
         sys.argv[1:] = [new.get(a, a) for a in arguments]
     elif implying(options.overrides):
-        sys.argv += config.meant(options.overrides, options.config_dir)[len(options.overrides) :]
+        behind = len(sys.argv) - sys.argv[::-1].index(
+            options.overrides[-1]
+        )  # options may follow the overrides
+        sys.argv[behind:behind] = config.meant(options.overrides, options.config_dir)[
+            len(options.overrides) :
+        ]
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach us, we say them in one message
     call = _Call(traced)
     hydra.main(version_base="1.3", config_path=config.folder(), config_name="config")(call)()

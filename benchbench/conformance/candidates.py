@@ -14,18 +14,12 @@ from hydra.errors import InstantiationException
 from omegaconf import DictConfig, OmegaConf
 
 from benchbench.registry import installed
-from benchbench.run import config
+from benchbench.run import config, plugin_choices
 
-GROUPS = {
-    "models": "vehicle",
-    "dynamics": "dynamics",
-    "contacts": "scenario/contact",
-    "relaxations": "relaxation",
-    "solvers": "solver",
-    "strategies": "strategy",
-    "guesses": "guess",
+GROUPS = {"models": "vehicle"} | {
+    family: group for family, group in plugin_choices.GROUPS.items() if family != "peers"
 }
-"""Where the YAML files of a family are."""
+"""Where the choices of a family are; peers are programs that few have."""
 
 
 @dataclass(frozen=True)
@@ -52,12 +46,15 @@ class Candidate:
 
 @cache
 def candidates(family: str) -> tuple[Candidate, ...]:
-    """Return every configured plugin of a family, and every installed one that no YAML names."""
+    """Return every choice of a family, and every installed plugin that is none."""
     plugins = installed(family)
     names = {plugin.kind: plugin.name for plugin in plugins if plugin.kind}
     configured = [_candidate(label, settings, names) for label, settings in _settings(GROUPS[family])]
-    seen = {candidate.kind for candidate in configured}
-    bare = [Candidate(p.name, p.kind, {}, p.error) for p in plugins if p.kind is None or p.kind not in seen]
+    seen = {candidate.kind for candidate in configured} - {None}
+    failed = {candidate.name for candidate in configured if candidate.kind is None}
+    bare = [
+        Candidate(p.name, p.kind, {}, p.error) for p in plugins if p.kind not in seen and p.name not in failed
+    ]
     return (*configured, *bare)
 
 
@@ -78,7 +75,7 @@ def _settings(group: str) -> Iterator[tuple[str, dict[str, Any]]]:
             try:
                 composed = OmegaConf.to_container(_composed(group, name), resolve=True)
             except Exception as error:  # noqa: BLE001  # a YAML file can be wrong in any way
-                composed = {"error": f"{group}/{name}.yaml: {error}"}
+                composed = {"error": f"{group}/{name}: {error}"}
             yield name, _innermost(composed)
 
 

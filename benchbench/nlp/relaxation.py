@@ -75,8 +75,8 @@ class Relaxation(ABC):
     """
 
     schedule: tuple[float, ...]
-    kinds: tuple[PairKind, ...] = ("complementarity",)
-    accuracy: float = 1e-3
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity",)
+    accuracy: ClassVar[float] = 1e-3
     """How far from a stationary point, and from G H = 0, the last sigma may end on a problem scaled to one."""
 
     power: ClassVar[float] = 1.0

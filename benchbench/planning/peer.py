@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import ClassVar, Literal
 
 from benchbench.errors import BadInput, Crash, IncompatibleCase, NoPlan, Timeout, Unavailable
 from benchbench.ocp.model import Model
@@ -54,7 +54,7 @@ class Call:
 class Peer(ABC):
     """An external planner; nothing of it is ours but how to ask it and to read its answer."""
 
-    name: str
+    name: ClassVar[str]
 
     @abstractmethod
     def missing(self) -> str:

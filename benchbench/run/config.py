@@ -6,17 +6,14 @@ import inspect
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
 import hydra
-from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.object_type import ObjectType
 from hydra.core.plugins import Plugins
 from hydra.errors import InstantiationException
-from hydra.plugins.search_path_plugin import SearchPathPlugin
 from omegaconf import DictConfig, ListConfig, OmegaConf, open_dict
 from pydantic import ValidationError
 
@@ -33,6 +30,7 @@ from benchbench.planning.task_hash import task_hash
 from benchbench.run import settings, trust
 from benchbench.run.hydra_errors import EXPECTED, PARTS, explained
 from benchbench.run.overrides import implied
+from benchbench.run.plugin_choices import SearchPath
 from benchbench.transcription.dynamics import Dynamics
 
 KINDS: dict[str, type | tuple[type, ...]] = {
@@ -48,21 +46,12 @@ WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
 FIELDS = (*KINDS, "peer", *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
 
 
-class ThirdPartyConfig(SearchPathPlugin):
-    """Adds the config packages that installed packages name in the entry point group `benchbench.conf`."""
-
-    def manipulate_search_path(self, search_path: ConfigSearchPath) -> None:
-        """Append pkg://<package> for each of them."""
-        for entry in entry_points(group="benchbench.conf"):
-            search_path.append(provider=f"benchbench:{entry.name}", path=f"pkg://{entry.value}")
-
-
 def folder() -> str:
     """Absolute path of the configuration: $BENCHBENCH_CONF, else the installed one, else the checkout's.
 
-    Third parties' configuration is on the search path from here on. Raises BadInput.
+    Plugins and third parties' configuration are on the search path from here on. Raises BadInput.
     """
-    Plugins.instance().register(ThirdPartyConfig)
+    Plugins.instance().register(SearchPath)
     here = Path(__file__).resolve().parents[1]
     asked = os.environ.get("BENCHBENCH_CONF")
     for candidate in [Path(asked)] if asked else [here / "conf", here.parent / "conf"]:
@@ -282,7 +271,8 @@ def _explained(cfg: DictConfig, family: str, error: InstantiationException) -> B
         return cause
     if isinstance(cause, ValidationError):
         return invalid(where, cause)
-    if isinstance(cause, (ImportError, AttributeError)) or cause is error:
+    unknown = str(error).startswith("Error locating target") or cause is error
+    if unknown or isinstance(cause, (ImportError, AttributeError)):
         target = OmegaConf.select(cfg, f"{where}._target_")
         return BadInput(f"{where}._target_", f"'{target}' cannot be loaded: {str(cause).splitlines()[0]}")
     return BadInput(where, str(cause).splitlines()[0])

@@ -31,8 +31,8 @@ class Rk4(Dynamics):
     """
 
     inputs: Inputs = "interval"
-    steps: Annotated[int, Field(ge=1, le=20)] = 1
     form: Literal["auto", "stages", "shooting"] = "auto"
+    steps: Annotated[int, Field(ge=1, le=20)] = 1
 
     def __post_init__(self) -> None:
         """Refuse polynomials without stages; raises BadInput."""

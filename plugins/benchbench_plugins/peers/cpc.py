@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, final
+from typing import Annotated, ClassVar, final
 
 import yaml  # type: ignore[import-untyped]
 from pydantic import Field
@@ -50,7 +50,7 @@ class Cpc(Peer):
     folder: Path | None = None
     python: str | None = None
     speed_guess: Annotated[float, Field(gt=0)] = 3.0
-    name: str = "cpc"
+    name: ClassVar[str] = "cpc"
 
     def missing(self) -> str:
         """Its folder with its modules."""

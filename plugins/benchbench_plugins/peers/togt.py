@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import yaml  # type: ignore[import-untyped]
 from pydantic.dataclasses import dataclass
@@ -33,7 +33,7 @@ class Togt(Peer):
     parameters: str = "cpc"
     track: str = "race_uzh_19wp.yaml"
     result: str = "aos_traj.csv"
-    name: str = "togt"
+    name: ClassVar[str] = "togt"
 
     def missing(self) -> str:
         """Its folder, its parameters and its program."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -19,12 +19,15 @@ class AugmentedLagrangian(Relaxation):
     """G, H >= 0, and G H <= 0 by multipliers (Izmailov, Solodov & Uskov 2012, doi:10.1137/120868359).
 
     G H <= e with the cost m e + e^2 / (2 sigma); after each solve m becomes m + e / sigma, kept in
-    [0, `largest`]. 1 / sigma is the penalty parameter. Minimising over e alone gives e = max(G H, -sigma m):
-    the Powell-Hestenes-Rockafellar function without its kink. The same for vanishing pairs.
+    [0, `largest`] so that it cannot run away where there is no multiplier. 1 / sigma is the penalty parameter.
+    Minimising over e alone gives e = max(G H, -sigma m): the Powell-Hestenes-Rockafellar function without its
+    kink. The same for vanishing pairs.
     """
 
+    # Each step multiplies the error of the multipliers by about sigma, so hundredths are few solves. Last: where there
+    # are no multipliers (ralph1, scholtes4) the product only shrinks like sigma^(2/3).
     schedule: Schedule = (1e-1, 1e-3, 1e-5, 1e-7)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
     largest: float = Field(default=1e6, gt=0)
 
     def relax(

@@ -24,8 +24,9 @@ class ChenChenKanzow(Relaxation):
     row, H of any sign.
     """
 
+    # Last: sigma^2 = 9e-8, as for scholtes.
     schedule: Schedule = (3e-2, 3e-4)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
     weight: float = Field(default=0.5, gt=0, le=1)
     power: ClassVar[float] = 2.0
 

@@ -21,7 +21,7 @@ class Direct(Relaxation):
     """
 
     schedule: tuple[float, ...] = (0.0,)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
     power: ClassVar[float] = 0.0
 
     def relax(

@@ -21,6 +21,8 @@ class Kadrani(Relaxation):
     cut off where both are zero. A vanishing pair loses G = 0, H < 0 in this form, so it gets the slack form.
     """
 
+    # First: from 0.1 the handovers took half as many iterations again. Last: G and H may be negative by as much as
+    # sigma, and the certificate allows 1e-6.
     schedule: Schedule = (1e-3, 1e-6)
 
     def relax(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -22,8 +22,9 @@ class KanzowSchwartz(Relaxation):
     serves vanishing pairs (Hoheisel, Kanzow & Schwartz 2012, Optimization 61): H may have any sign.
     """
 
+    # First: at 0.1 the handover trades the contact away. Last: the certificate allows min(G, H) of 1e-6.
     schedule: Schedule = (1e-2, 1e-4, 1e-6)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

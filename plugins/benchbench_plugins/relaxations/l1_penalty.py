@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -22,8 +22,10 @@ class L1Penalty(Relaxation):
     one of the MPCC itself. In vanishing pairs G H may be negative: an unknown e >= G H, e >= 0 replaces it.
     """
 
+    # First: a smaller penalty leaves problems unbounded (ralph2: from 1 / sigma = 2 on it is not). Last: above the
+    # multipliers of every problem tried; where there are none (scholtes4), min(G, H) = sigma.
     schedule: Schedule = (1e-2, 1e-4)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

@@ -21,6 +21,8 @@ class LinFukushima(Relaxation):
     Vanishing pairs get the slack form.
     """
 
+    # First: at 0.1 the handover flies past its contact. Last: G and H may be negative by as much as sigma, and the
+    # certificate allows 1e-6.
     schedule: Schedule = (1e-2, 1e-3, 1e-6)
     power: ClassVar[float] = 2.0
 

@@ -28,8 +28,8 @@ class Paper(Relaxation):
     """
 
     schedule: tuple[float, ...] = (0.0,)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
-    accuracy: float = 5e-2  # its limits stay as they are
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
+    accuracy: ClassVar[float] = 5e-2  # its limits stay as they are
     smoothing: float = 1e-3
     limit_product: float = 1e-2
     power: ClassVar[float] = 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -20,8 +20,9 @@ class Scholtes(Relaxation):
     sigma bounds the product; vanishing pairs become G >= 0, G H <= sigma (Izmailov & Solodov 2009).
     """
 
+    # Last: an unmet condition is then worth less than a millionth of a step. Smaller values only cost iterations.
     schedule: Schedule = (1e-2, 1e-4, 1e-7)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None

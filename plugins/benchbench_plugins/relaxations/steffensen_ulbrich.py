@@ -22,8 +22,10 @@ class SteffensenUlbrich(Relaxation):
     pair wants for any sign of H (Hoheisel, Kanzow & Schwartz 2012, Optim. Methods Softw. 27).
     """
 
+    # First: at 0.1 and more the handover loses its contact and is stuck in an infeasible point.
+    # Last: away from the corner the row is exact for any sigma; below 1e-4 IPOPT stalls on the kink.
     schedule: Schedule = (1e-2, 1e-4)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
     power: ClassVar[float] = 2.0
 
     def relax(

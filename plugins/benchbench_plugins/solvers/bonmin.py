@@ -28,7 +28,7 @@ class Bonmin(Solver):
     """NLP-based branch and bound over the integer unknowns (Bonami et al. 2008, doi:10.1016/j.disopt.2006.10.011).
 
     With relaxation=direct the progress variables decide each node's contact exactly: no fractions. Its
-    optimum is global only for convex problems, ours are not. `options` are BONMIN's (and IPOPT's) own.
+    optimum is global only for convex problems, ours are not. It wants minutes. `options` are BONMIN's (and IPOPT's) own.
     """
 
     options: dict[str, Any] = field(default_factory=dict)

@@ -47,7 +47,8 @@ class Cvxpy(Solver):
       and both are within 100 tolerances. "infeasible": nothing is promised, a violated row weighs 1e8.
 
     It finds KKT points: a start in a plane of symmetry stays in it, even where a better plan leaves it.
-    `solver` is any conic solver of CVXPY that takes quadratic objectives, `options` are its own and win.
+    `solver` is any conic solver of CVXPY that takes quadratic objectives, `options` are its own and win;
+    `radius` is the first trust region in units of the unknowns, `weight` the first penalty of a scaled row.
     """
 
     solver: str = "CLARABEL"

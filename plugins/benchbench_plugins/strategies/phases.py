@@ -24,8 +24,8 @@ class Phases(Strategy):
     """Smooth solves with free durations before and after each contact; races: from gate to gate.
 
     The relaxation of the case plays no part. A solve that claims no success is tried again from another start,
-    `attempts` times in all, each but the last with at most `patience` iterations. Margins are those that the replay asks
-    for, up to `margin`, instead of the scenario's; with margin 0 the scenario's.
+    `attempts` times in all, each but the last with at most `patience` iterations (a good start needs 30 to 100). Margins are those that the replay asks
+    for, up to `margin` (a share of a limit), instead of the scenario's; with margin 0 the scenario's.
     """
 
     attempts: Annotated[int, Field(ge=1)] = 4

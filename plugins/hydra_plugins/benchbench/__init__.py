@@ -1,4 +1,4 @@
-"""Hydra's way into our sweeps; Hydra takes launchers only from the namespace package `hydra_plugins`."""
+"""Hydra's way to our plugins and into our sweeps; it takes both only from the namespace package `hydra_plugins`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from hydra.plugins.launcher import Launcher
 from hydra.plugins.sweeper import Sweeper
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, open_dict
+
+from benchbench.run.plugin_choices import PluginSource  # noqa: F401
 
 ConfigStore.instance().store(
     group="hydra/launcher",

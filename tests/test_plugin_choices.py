@@ -1,0 +1,162 @@
+"""An entry point alone makes a choice: its fields, its errors, and which YAML is taken instead."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from omegaconf import OmegaConf
+
+from benchbench import registry
+from benchbench.cli.application import start
+from benchbench.errors import BadInput
+from benchbench.planning.case import Case
+from benchbench.run import config
+from benchbench.run.plugin_choices import GROUPS, options
+
+MODULE = '''
+"""A stranger's relaxations and contact."""
+from dataclasses import dataclass, field
+import numpy as np
+from benchbench import Contact, Relaxation, Relaxed
+
+class Plain:
+    def __init__(self, needed, share=0.5, names=("a", "b"), own=object(), _hidden=1, *rest, **more):
+        pass
+
+@dataclass(frozen=True)
+class Theirs(Relaxation):
+    schedule: tuple[float, ...] = (0.1, 0.01)
+    table: dict = field(default_factory=lambda: {"a": [1, 2]})
+    def relax(self, g, h, sigma, kind, name, limit):
+        return Relaxed(g * h - sigma, (-np.inf,), (0.0,))
+
+class Ground(Contact):
+    def __init__(self, limit=0.2):
+        self.limit = limit
+    def condition(self, model, node, target):
+        raise NotImplementedError
+    def gap(self, plant, q, v, target_position, target_velocity):
+        raise NotImplementedError
+'''
+ENTRIES = """
+[benchbench.conf]
+strangers = strangers_conf
+[benchbench.relaxations]
+theirs = strangers_module:Theirs
+yaml = strangers_module:Theirs
+broken = strangers_broken:Theirs
+gone = strangers_module:Gone
+number = strangers_module:__name__
+twice = strangers_module:Theirs
+[benchbench.contacts]
+ground = strangers_module:Ground
+"""
+
+
+def install(folder: Path, name: str, entries: str) -> None:
+    info = folder / f"{name}-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(entries)
+
+
+@pytest.fixture
+def strangers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Two installed distributions, as pip lays them out."""
+    (tmp_path / "strangers_module.py").write_text(MODULE)
+    (tmp_path / "strangers_broken.py").write_text("raise RuntimeError('no licence\\nsecond line')\n")
+    choice(tmp_path / "strangers_conf", "yaml", 0.25)
+    (tmp_path / "strangers_conf" / "__init__.py").touch()
+    install(tmp_path, "strangers", ENTRIES)
+    install(tmp_path, "others", "[benchbench.relaxations]\ntwice = strangers_module:Other\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    for name in ("strangers_module", "strangers_broken", "strangers_conf"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    return tmp_path
+
+
+def choice(folder: Path, name: str, sigma: float) -> str:
+    """A YAML file for the choice relaxation=NAME; returns the option that adds its folder."""
+    (folder / "relaxation").mkdir(parents=True, exist_ok=True)
+    text = f"_target_: benchbench_plugins.relaxations.scholtes.Scholtes\nschedule: [{sigma}]\n"
+    (folder / "relaxation" / f"{name}.yaml").write_text(text)
+    return f"hydra.searchpath=[file://{folder}]"
+
+
+def compose(*overrides: str) -> Case:
+    return config.compose("+scenario=static", *overrides)
+
+
+def test_the_names_are_there_and_nothing_is_imported(strangers: Path) -> None:
+    assert {"theirs", "broken", "twice", "scholtes", "elastic"} <= set(config.choices("relaxation"))
+    assert not {"strangers_module", "strangers_broken"} & set(sys.modules)
+
+
+def test_fields_and_defaults_come_from_the_class(strangers: Path) -> None:
+    import strangers_module  # type: ignore[import-not-found]
+
+    assert options(strangers_module.Plain) == {"needed": "???", "share": 0.5, "names": ("a", "b")}
+    assert options(strangers_module.Theirs) == {"schedule": (0.1, 0.01), "table": {"a": [1, 2]}}
+    assert compose("relaxation=theirs").relaxation.schedule == [0.1, 0.01]
+    assert compose("relaxation=theirs", "relaxation.table.a=[3]").relaxation.table == {"a": [3]}
+
+
+@pytest.mark.parametrize(
+    ("overrides", "says"),
+    [
+        ("relaxation=theirs relaxation.shedule=[1]", "relaxation.shedule: does not exist, perhaps 'schedule' is meant"),
+        ("relaxation=their", "relaxation: 'their' does not exist; allowed: augmented_lagrangian, broken, "),
+        ("relaxation=broken", "relaxation._target_: 'strangers_broken.Theirs' cannot be loaded: .*no licence"),
+        ("relaxation=broken relaxation.schedule=[1]", "relaxation._target_: .*cannot be loaded: .*no licence"),
+        ("relaxation=gone", "relaxation._target_: 'strangers_module.Gone' cannot be loaded: "),
+        ("relaxation=number", "relaxation._target_: 'strangers_module.__name__' cannot be loaded: "),
+        ("relaxation=twice", "relaxation: 'twice' is registered for strangers_module:Other and strangers_module:Theirs"),
+        ("+scenario/contact=groun", "scenario/contact: 'groun' does not exist; allowed: floor, ground"),
+        ("+scenario/contact=ground scenario.contacts.ground.limt=1", "scenario.contacts.ground.limt: .*'limit'"),
+    ],
+)  # fmt: skip
+def test_mistakes_are_one_message(strangers: Path, overrides: str, says: str) -> None:
+    with pytest.raises(BadInput, match=says) as caught:
+        compose(*overrides.split())
+    assert "\n" not in str(caught.value)
+
+
+def test_yaml_of_the_same_name_wins_wherever_it_is(
+    strangers: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = choice(tmp_path / "own", "theirs", 0.5)
+    choice(tmp_path / "own", "scholtes", 0.75)
+    assert compose("relaxation=yaml").relaxation.schedule == (0.25,)
+    assert compose("relaxation=theirs", own).relaxation.schedule == (0.5,)
+    assert compose("relaxation=scholtes", own).relaxation.schedule == (0.75,)
+    assert compose("relaxation=theirs").relaxation.schedule == [0.1, 0.01]
+    asked = ["--config-dir", str(tmp_path / "own"), "+scenario=static", "relaxation=theirs", "--cfg", "job"]
+    assert start(asked) == 0
+    assert yaml.safe_load(capsys.readouterr().out)["relaxation"]["schedule"] == [0.5]
+
+
+def test_a_contact_is_chosen_by_name(strangers: Path, tmp_path: Path) -> None:
+    """On the command line and in the defaults of a scenario of one's own."""
+    (tmp_path / "own" / "scenario").mkdir(parents=True)
+    (tmp_path / "own" / "scenario" / "mine.yaml").write_text(
+        "defaults: [static, contact: ground, _self_]\nname: mine\n"
+    )
+    asked = compose("+scenario/contact=ground", "scenario.contacts.ground.limit=0.3").scenario
+    mine = config.compose(f"hydra.searchpath=[file://{tmp_path / 'own'}]", "+scenario=mine").scenario
+    for scenario in (asked, mine):
+        assert list(scenario.contacts) == ["position", "velocity", "heading", "ground"]
+        assert type(scenario.contacts["ground"]).__name__ == "Ground"
+
+
+@pytest.mark.parametrize("family", GROUPS)
+def test_no_yaml_repeats_its_class(family: str) -> None:
+    """What the entry point says by itself needs no file."""
+    for name, (entry,) in registry.entries(family).items():
+        file = Path(config.folder(), GROUPS[family], f"{name}.yaml")
+        if file.is_file():
+            said = OmegaConf.to_container(OmegaConf.load(file))
+            alone = {"_target_": f"{entry.module}.{entry.attr}", **options(entry.load())}
+            assert said != OmegaConf.to_container(OmegaConf.create(alone)), file
