@@ -8,11 +8,9 @@ from functools import cache
 from io import BytesIO
 from pathlib import Path
 
-import nbformat
 import numpy as np
 import pandas as pd
 import pytest
-from nbclient import NotebookClient
 from PIL import Image
 
 import benchbench as bb
@@ -244,6 +242,9 @@ def test_no_name_of_the_face_hides_a_room() -> None:
 
 
 def test_the_notebook_says_what_it_shows(tmp_path: Path) -> None:
+    import nbformat  # with the kernel it takes a second that the other tests here need not wait
+    from nbclient import NotebookClient
+
     book = nbformat.read(ROOT / "examples" / "first_steps.ipynb", 4)
     code = [cell for cell in book.cells if cell.cell_type == "code"]
     assert all(cell.outputs == [] and cell.execution_count is None for cell in code), (
