@@ -23,6 +23,7 @@ from .nlp.solver import (
     Solver,
 )
 from .ocp.contact import Condition, Contact, Target
+from .ocp.handover import Handover
 from .ocp.mechanics import acceleration
 from .ocp.model import (
     Coordinates,
@@ -39,6 +40,7 @@ from .ocp.model import (
 from .ocp.motion import Motion
 from .ocp.node import Node
 from .ocp.plan import Plan
+from .ocp.race import Race
 from .ocp.scenario import Scenario
 from .ocp.space import Space
 from .planning.case import Case, Guess, MpccStrategy, ReadyCase, Strategy
@@ -53,10 +55,10 @@ __version__: str
 
 __all__ = [
     "TOLERANCE", "Accuracy", "Array", "BadInput", "BenchBenchError", "Block", "Case", "Certificate", "Check",
-    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "Evidence", "ExplicitModel", "Grid", "Guess",
+    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "Evidence", "ExplicitModel", "Grid", "Guess", "Handover",
     "IncompatibleCase", "LagrangianModel", "Ledger", "ManifoldModel", "Method", "Model", "Motion", "Mpcc",
     "MpccStrategy", "NoPlan", "Node", "Outcome", "OutputModel", "Pair", "PairKind", "Parametric", "Peer", "Phase",
-    "Plan", "Plant", "Point", "Prepared", "Progress", "RacingModel", "RampModel", "ReadyCase", "ReadyMade",
+    "Plan", "Plant", "Point", "Prepared", "Progress", "Race", "RacingModel", "RampModel", "ReadyCase", "ReadyMade",
     "Relaxation", "Relaxed", "Result", "RunView", "Scenario", "Schedule", "Setup", "Shared", "Slot", "Solution",
     "Solver", "Space", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown", "Variable", "acceleration",
     "at_least", "at_most", "block", "certify", "evaluate", "load", "plan", "rows", "runs", "space", "whole",

@@ -11,6 +11,7 @@ from typing import Any
 
 FAMILIES = (
     "models", "dynamics", "contacts", "motions", "relaxations", "solvers", "strategies", "guesses", "collections", "peers",
+    "scenarios",
 )  # fmt: skip
 
 

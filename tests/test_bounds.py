@@ -13,7 +13,7 @@ from benchbench.arrays import Array
 from benchbench.certificate.bound import STEP, sequence_bound
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.window_bound import window_bounds
-from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.handover import Handover
 from benchbench_plugins.contacts.position import Position
 from benchbench_plugins.contacts.velocity import Velocity
 
@@ -26,7 +26,7 @@ FASTEST = SPEED * LIMITS.rate_ratio
 LONGEST = 6.0
 
 
-def flight(target: Any, end: float = 2.5, **changes: Any) -> Scenario:
+def flight(target: Any, end: float = 2.5, **changes: Any) -> Handover:
     """From x = 0 to x = `end`; `target` are the coefficients of its motion."""
     fields: dict[str, Any] = {
         "name": "line", "start": {"z": HEIGHT}, "end": {"x": end, "z": HEIGHT}, "contacts": {"position": Position()},
@@ -34,10 +34,10 @@ def flight(target: Any, end: float = 2.5, **changes: Any) -> Scenario:
     }  # fmt: skip
     if target is not None:
         fields["target"] = Polynomial(0.0, np.array(target, float))
-    return Scenario(**(fields | changes))
+    return Handover(**(fields | changes))
 
 
-def one(task: Scenario, first: float, last: float, limits: Limits = LIMITS) -> float:
+def one(task: Handover, first: float, last: float, limits: Limits = LIMITS) -> float:
     (bound,) = window_bounds(task, MODEL, limits, np.array([first]), np.array([last]))
     return float(bound)
 
@@ -121,7 +121,7 @@ def test_windows_of_a_moving_target_against_every_instant(seed: int) -> None:
             assert bound >= exact - granted / closing - STEP
 
 
-def instants(task: Scenario, target: Array, speed: Array, end: float) -> float:
+def instants(task: Handover, target: Array, speed: Array, end: float) -> float:
     """Shortest time of a flight by one target, (coefficients, 3), at instants a twentieth of a cell apart."""
     time = np.arange(0.0, LONGEST, STEP / 20)[:, None]
     place = sum(c * time**i for i, c in enumerate(target))

@@ -21,8 +21,8 @@ from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import defects, replay
 from benchbench.mpcc.residuals import PairResidual, Residuals
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.scenario import Scenario
 from benchbench_plugins.contacts.floor import Floor
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position
@@ -41,7 +41,7 @@ def claimed(plan: Plan, *nodes: int, progress: float = 1.0) -> Plan:
     return replace(plan, progress=index)
 
 
-def task(plan: Plan, **changes: Any) -> Scenario:
+def task(plan: Plan, **changes: Any) -> Handover:
     """Meet a target that moves with the end effector around the middle of the flight."""
     names = MODEL.configuration.names
     fields: dict[str, Any] = {
@@ -51,10 +51,10 @@ def task(plan: Plan, **changes: Any) -> Scenario:
         "target": along_tool(plan, MODEL.plant(), FIRST, LAST),
         "contacts": {"position": Position(), "velocity": Velocity(), "heading": Heading()},
     }
-    return Scenario(**(fields | changes))
+    return Handover(**(fields | changes))
 
 
-def alone(plan: Plan, **changes: Any) -> Scenario:
+def alone(plan: Plan, **changes: Any) -> Handover:
     """The flight without any contact, ending where the plan does."""
     end = dict(zip(MODEL.configuration.names, plan.configuration[-1], strict=True))
     return task(claimed(crossing_plan(), FIRST), contacts={}, end=end, **changes)
@@ -375,7 +375,7 @@ def test_longest_run() -> None:
 
 
 def test_lower_bound_of_the_static_handover() -> None:
-    paper = Scenario(
+    paper = Handover(
         name="static", start={"z": 0.65}, end={"x": 2.5, "z": 0.65}, contacts={"position": Position()},
         target=Polynomial(0.0, np.array([[1.0, 0.0, 0.4]])),
     )  # fmt: skip

@@ -21,10 +21,10 @@ from PIL import Image
 from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay, replay
 from benchbench.errors import BadInput
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import Coordinates, LagrangianModel, Model, Plant, box
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.scenario import Scenario
 from benchbench.report import picture
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.limits_panel import contact_panels, limit_panels
@@ -51,13 +51,13 @@ def vehicle() -> AerialManipulator:
     )  # fmt: skip
 
 
-def task(target: Motion = STILL, **changes: object) -> Scenario:
+def task(target: Motion = STILL, **changes: object) -> Handover:
     """Touch a target between x = 0 and x = 2.5 m."""
     values = {
         "name": "test", "start": {"z": 0.65, "arm": 1.57}, "end": {"x": 2.5, "z": 0.65, "arm": 1.57},
         "target": target, "contacts": {"position": Position(), "velocity": Velocity(), "heading": Heading()},
     }  # fmt: skip
-    return Scenario(**{**values, **changes})
+    return Handover(**{**values, **changes})
 
 
 def curved_plan(model: Model, bend: float = 0.0, n: int = 40) -> Plan:
@@ -87,7 +87,7 @@ def dense(plan: Plan) -> Replay:
 
 
 def compose(
-    plan: Plan, scenario: Scenario, model: Model, flight: Replay | None, title: str, verdict: str
+    plan: Plan, scenario: Handover, model: Model, flight: Replay | None, title: str, verdict: str
 ) -> Figure:
     """The page as a figure that has been laid out."""
     with mpl.rc_context(RC):
@@ -365,7 +365,7 @@ def test_any_model_can_be_drawn(tmp_path: Path) -> None:
     model, time = Slider(), np.linspace(0, 1, 11)
     plan = Plan(time, time[:, None], np.ones((11, 1)), np.zeros((10, 1)), (time > 0.9) * 1.0, "hold",
                 ("x",), ("m",), ("push",), ("kN",))  # fmt: skip
-    scenario = Scenario(
+    scenario = Handover(
         name="s", start={}, end={"x": 1}, target=Fixed((1, 0, 0)), contacts={"touch": Position()}
     )
     assert [p.unit for p in limit_panels(plan, scenario, model, None)] == ["m/s", "kN"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from itertools import permutations
+from typing import cast
 
 import numpy as np
 import pytest
@@ -37,8 +38,7 @@ def case_of(*overrides: str) -> Case:
 
 
 def race_of(case: Case) -> Race:
-    assert isinstance(case.scenario, Race)
-    return case.scenario
+    return cast("Race", case.scenario)
 
 
 @cache
@@ -66,7 +66,7 @@ def test_progress_at_a_flight_through_the_gates_is_feasible_and_elsewhere_is_not
 
     def found(nodes: tuple[int, int]) -> tuple[float, float]:
         parts = mpcc.split(mpcc.guess)
-        parts["kappa"] = passed_at(race_of(case).intervals, nodes)
+        parts["kappa"] = passed_at(race_of(case).grid_intervals, nodes)
         judged = residuals(mpcc, np.concatenate([parts[n].ravel() for n in names]))
         return judged.pairs["ball"].natural, max(judged.constraints[k] for k in ("progress", "gate_order"))
 

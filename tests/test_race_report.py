@@ -17,7 +17,6 @@ from benchbench import pipeline
 from benchbench.analysis.naming import name_runs
 from benchbench.analysis.races import races
 from benchbench.cli.report_content import content
-from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate, Opening
 from benchbench.report.gates import outline, outlines
 from benchbench.report.html.plans.limits import limits
@@ -136,8 +135,7 @@ def flown() -> pipeline.Run:
 
 def test_limits_that_grow_are_drawn_as_they_run(flown: pipeline.Run) -> None:
     plan, race, model = flown.result.plan, flown.case.scenario, flown.case.model
-    assert isinstance(race, Race)
-    panels = race_panels(plan, race, model, flown.certificate.flight)
+    panels = race_panels(race, plan, model, flown.certificate.flight)
     assert [panel.title for panel in panels] == [
         "Speed", "Motor forces", "Angular rates", "Angular rate of wz", "Height",
     ]  # fmt: skip

@@ -23,9 +23,9 @@ from benchbench.formulation.handover import free_contact
 from benchbench.formulation.open_order import MADE, by_progress
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.stop import Itinerary, Stop
 from benchbench.planning import posing
 from benchbench.planning.case import Case
@@ -102,7 +102,7 @@ def test_the_bound_of_a_sequence_is_that_of_all_times_of_contact() -> None:
     fields: dict[str, Any] = {"name": "far", "start": {}, "end": {"x": 9.0}, "travel_time": (0.1, 20.0)}
     one = {"target": Linear((6.0, 1.0, 0.3), (-0.4, 0.1, 0.0))}
     other = {"target": Linear((-4.0, 2.0, 0.3), (0.3, 0.0, 0.0))}
-    task = Scenario(
+    task = Handover(
         **fields, contacts={"position": Position()}, stops={"one": one, "other": other}, order="free"
     )
     plant, speed = MODEL.plant(), MODEL.velocity.upper[:3]
@@ -135,7 +135,7 @@ def claimed(plan: Plan, **nodes: tuple[int, ...]) -> Plan:
     return replace(plan, progress=progress, stop_names=tuple(nodes))
 
 
-def task(plan: Plan, names: str = "ab", **changes: Any) -> Scenario:
+def task(plan: Plan, names: str = "ab", **changes: Any) -> Handover:
     """Two targets that move with the end effector around two moments of the flight."""
     coordinates = MODEL.configuration.names
     targets = {"a": along_tool(plan, MODEL.plant(), *FIRST), "b": along_tool(plan, MODEL.plant(), *SECOND)}
@@ -147,7 +147,7 @@ def task(plan: Plan, names: str = "ab", **changes: Any) -> Scenario:
         "contacts": {"position": Position(), "velocity": Velocity()},
         "stops": {name: {"target": targets[name], "reward": rewards.get(name)} for name in names},
     }
-    return Scenario(**(fields | changes))
+    return Handover(**(fields | changes))
 
 
 def test_two_stops_in_order_are_certified(flight: Plan) -> None:
@@ -257,7 +257,7 @@ def compose(*overrides: str) -> Case:
 def test_a_named_stop_is_the_same_problem_as_a_target() -> None:
     plain = compose("+scenario=linear", "scenario.intervals=16", "strategy=phases")
     fields = dict(plain.scenario)
-    named = Scenario(**(fields | {"target": None, "stops": {"cart": {"target": fields["target"]}}}))
+    named = Handover(**(fields | {"target": None, "stops": {"cart": {"target": fields["target"]}}}))
     results = [c.strategy.solve(c, Ledger(60.0)) for c in (plain, replace(plain, scenario=named))]
     times, steps = zip(*((r.plan.travel_time, r.solved.outcome.iterations) for r in results), strict=True)
     assert times[0] == pytest.approx(times[1], rel=1e-9) and steps[0] == steps[1]

@@ -27,8 +27,8 @@ from scipy.spatial.transform import Rotation
 
 from benchbench.certificate.replay import Replay, replay
 from benchbench.errors import BadInput
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.scenario import Scenario
 from benchbench.storage import provenance, table
 from benchbench.storage.collect import collect
 from benchbench.storage.files import replacing, write_bytes, write_record
@@ -52,9 +52,9 @@ def vehicle() -> AerialManipulator:
     )  # fmt: skip
 
 
-def task() -> Scenario:
+def task() -> Handover:
     """A target on a circle that is touched."""
-    return Scenario(
+    return Handover(
         name="test", start={"z": 0.65, "arm": 1.57}, end={"x": 2.5, "z": 0.65, "arm": 1.57},
         target=Circle((1.1, 0, 0.4), 0.4, -0.3, np.pi / 2),
         contacts={"position": Position(), "velocity": Velocity()},

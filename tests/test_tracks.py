@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import cast
 
 import pytest
 
@@ -15,9 +16,7 @@ LAP = [[0.0, 0.0, 1.0], [5.0, 0.0, 1.0], [5.0, 5.0, 2.0]]
 
 
 def race(*overrides: str) -> Race:
-    scenario = config.compose("+scenario=race", *overrides).scenario
-    assert isinstance(scenario, Race)
-    return scenario
+    return cast("Race", config.compose("+scenario=race", *overrides).scenario)
 
 
 def test_the_same_track_from_a_list_from_csv_and_from_yaml(tmp_path: Path) -> None:
@@ -65,7 +64,7 @@ def test_a_yaml_file_may_bring_start_end_and_radius(tmp_path: Path) -> None:
     assert scenario.start_position == (1.0, 2.0, 3.0)
     assert [gate.position[0] for gate in scenario.goals] == [0, 5, 5, 0, 5, 9]
     assert {gate.radius for gate in scenario.goals[:-1]} == {0.5}
-    assert scenario.intervals == 6 * 40
+    assert scenario.grid_intervals == 6 * 40
 
 
 def test_the_public_track_repeats_its_lap() -> None:
@@ -74,7 +73,7 @@ def test_the_public_track_repeats_its_lap() -> None:
     assert scenario.goals[0] == scenario.goals[7] == scenario.goals[14]
     by_hand = (3.9**2 + 6.1**2 + 2.4**2) ** 0.5 + (5.85**2 + 0.7**2 + 2.4**2) ** 0.5
     case = config.compose("+scenario=race", "scenario.gates=1")
-    assert case.scenario.path_length(case.model) == pytest.approx(by_hand)
+    assert case.scenario.flown(case.model, 2)[-1] == pytest.approx(by_hand)
 
 
 @pytest.mark.parametrize(

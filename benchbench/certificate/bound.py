@@ -7,11 +7,13 @@ bounds of `window_bound`, which prune windows, grant that too.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import singledispatch
 
 import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.certificate.race_bound import race_bound
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.motion import sample
 from benchbench.ocp.race import Race
@@ -23,8 +25,18 @@ STEP = 1e-3
 """Width in s of the cells in which the time of contact is searched; each cell is bounded from below."""
 
 
+@singledispatch
 def lower_bound(scenario: Scenario, model: Model, plant: Plant) -> float:
-    """Return a time in s that no plan within its limits can beat; `inf` when no allowed travel time reaches every stop asked for."""
+    """Return a time in s that no plan within its limits can beat; of a kind that proves no more the least time allowed."""
+    return scenario.travel_time[0]
+
+
+lower_bound.register(Race, race_bound)
+
+
+@lower_bound.register
+def _(scenario: Handover, model: Model, plant: Plant) -> float:
+    """Return the least of all sequences; `inf` when no allowed travel time reaches every stop asked for."""
     return min(sequence_bound(scenario, made, model, plant) for made in scenario.itinerary.sequences())
 
 
@@ -36,8 +48,6 @@ def sequence_bound(scenario: Scenario, made: Sequence[Stop], model: Model, plant
     times that follow each other for all stops, and needs the time from the last one to the end. From stop to stop
     each axis may choose its own time at the stop before, which can only make the bound smaller.
     """
-    if isinstance(scenario, Race):
-        return race_bound(scenario, model, plant)
     index = [model.configuration.index(name) for name in AXES]
     speed = model.velocity.upper[index]
     start, end = scenario.start_point(model)[index], scenario.end_point(model)[index]

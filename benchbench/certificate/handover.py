@@ -22,8 +22,8 @@ from benchbench.certificate.limited import Limited
 from benchbench.certificate.numbers import flown
 from benchbench.certificate.replay import defects, replay
 from benchbench.ocp.contact import Contact, in_words
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.scenario import Scenario
 
 PLANNED = (
     planned_start, planned_end, planned_limits, defect_position, defect_angle, contact_planned, stop_choice, stop_order,
@@ -32,12 +32,12 @@ FLOWN = (replay_position, replay_angle, replay_rate, replay_end, contact_flown)
 
 
 @examine.register
-def _handover(scenario: Scenario, given: Given) -> Examination[ContactEvidence]:
+def _handover(scenario: Handover, given: Given) -> Examination[ContactEvidence]:
     evidence = _evidence(scenario, given)
     return Examination(evidence, PLANNED, FLOWN, Measures(**flown(evidence), **_numbers(evidence)))
 
 
-def _evidence(scenario: Scenario, given: Given) -> ContactEvidence:
+def _evidence(scenario: Handover, given: Given) -> ContactEvidence:
     """Limits are the same all along the flight."""
     plan, model = given.plan, given.model
     plant = model.plant()

@@ -54,7 +54,7 @@ def _acceleration(race: Race, model: Model, plant: Plant) -> tuple[float, Array]
     """Largest thrust over mass and gravity (3,), m/s^2."""
     still = np.zeros(len(model.velocity.names))
     gravity = plant.acceleration(model.origin(), still, 0 * model.hover())[:3]
-    metres = np.append(race.flown(model, race.intervals + 1), FAR)
+    metres = np.append(race.flown(model, race.grid_intervals + 1), FAR)
     return float(np.max(racing(model).specific_thrust(metres))), np.asarray(gravity)
 
 

@@ -12,13 +12,11 @@ import yaml  # type: ignore[import-untyped]
 from benchbench.analysis.costs import solve_time
 from benchbench.analysis.naming import flatten, name_runs
 from benchbench.errors import BadInput
-from benchbench.ocp.race import Race
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.html.page import PlanView, Report
 from benchbench.report.html.plans.limits import limits
 from benchbench.report.html.plans.view import view
-from benchbench.report.limits_panel import contact_panels, limit_panels
-from benchbench.report.race_panels import race_panels
+from benchbench.report.panels import panels
 from benchbench.report.views import scene
 from benchbench.run.failure import reason
 from benchbench.run.stored import scene_parts
@@ -90,13 +88,6 @@ def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, A
         raise ValueError("its configuration is missing")
     scenario, model = scene_parts(tree)
     plan, flight = recording.plan, recording.flight
-    if isinstance(scenario, Race):
-        panels = race_panels(plan, scenario, model, flight)
-    else:
-        panels = [
-            *contact_panels(plan, scenario, model, flight),
-            *limit_panels(plan, scenario, model, flight),
-        ]
     windows = [(float(plan.time[a]), float(plan.time[b])) for a, b in contact_windows(plan)]
     return PlanView(
         run_id=str(record["run_id"]),
@@ -106,7 +97,7 @@ def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, A
         advice=record["advice"] or "",
         facts=_facts(record),
         view=view(scene(plan, scenario, model, flight)),
-        limits=limits(panels, windows, plan.travel_time),
+        limits=limits(panels(scenario, plan, model, flight), windows, plan.travel_time),
         config=yaml.safe_dump(tree, sort_keys=False),
     )
 

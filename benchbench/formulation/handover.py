@@ -1,9 +1,9 @@
-"""From a case to the three problems a handover can be posed as: free contact, fixed window, phases."""
+"""From a case with stops on the way to the problems it can be posed as: free contact, fixed windows, phases."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -11,8 +11,9 @@ import numpy as np
 from benchbench.arrays import Array
 from benchbench.errors import IncompatibleCase
 from benchbench.formulation import open_order
-from benchbench.formulation.coupling import Coupling, progress_index
+from benchbench.formulation.coupling import Coupling
 from benchbench.formulation.formulation import Formulation
+from benchbench.formulation.problem import Problem, Windows
 from benchbench.mpcc.problem import Mpcc, block
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Itinerary, Stop, spread
@@ -32,38 +33,13 @@ CONTACT_STEP = 0.06
 """Longest interval of a contact in s. Its conditions are kept at nodes: over 0.11 s (N = 25) the relative speed in between
 reaches 0.05 m/s where 0.015 are allowed, over 0.055 s (N = 50) it stays below."""
 
-Windows = Mapping[str, tuple[int, ...]]
-"""Nodes in contact by the name of the stop."""
-
-
-@dataclass(frozen=True)
-class Problem:
-    """An MPCC and how to read its unknowns; `contact` are the nodes in contact by stop when they are fixed."""
-
-    mpcc: Mpcc
-    trajectory: Trajectory
-    contact: Windows | None
-    stops: tuple[Stop, ...] = ()
-
-    def decode(self, values: dict[str, Array]) -> Plan:
-        """Turn named values into a plan with its progress index for every stop."""
-        nodes = self.trajectory.grid.intervals + 1
-        plan = self.trajectory.decode(values, np.zeros(nodes))
-        progress = np.stack([self._progress(stop, values) for stop in self.stops], axis=-1)
-        return replace(plan, progress=progress, stop_names=tuple(stop.name for stop in self.stops))
-
-    def _progress(self, stop: Stop, values: dict[str, Array]) -> Array:
-        if self.contact is None:
-            return progress_index(values[f"{stop.prefix}kappa"])
-        progress = np.zeros(self.trajectory.grid.intervals + 1)
-        progress[list(self.contact.get(stop.name, ()))] = 1.0
-        return progress
-
 
 def free_contact(case: Formulation, start: Plan) -> Problem:
     """The paper's DMCC: one step size, progress variables, complementarity; guessed from a plan."""
     base, trajectory = _flight(case, start)
     itinerary = case.scenario.itinerary
+    if not itinerary.stops:
+        return Problem(base, trajectory, {})
     mpcc = base + open_order.by_progress(
         itinerary, [_coupling(case, trajectory, stop) for stop in itinerary.stops]
     )
@@ -72,7 +48,7 @@ def free_contact(case: Formulation, start: Plan) -> Problem:
         guess[open_order.MADE] = np.array(
             [guess[f"{s.prefix}kappa"][:1] / s.kappa_init for s in itinerary.stops]
         )
-    return Problem(mpcc.start_from(guess), trajectory, None, itinerary.stops)
+    return Problem(mpcc.start_from(guess), trajectory, None, _kappas(itinerary))
 
 
 def fixed_window(case: Formulation, start: Plan, nodes: Sequence[int]) -> Problem:
@@ -118,11 +94,12 @@ def phase_grid(
     Also returns the nodes of each contact, and which phases are contacts whose duration is a number of steps.
     """
     scenario, found, travel_time = case.scenario, list[Phase](), start.travel_time
+    total = scenario.grid_intervals
     contact: dict[str, tuple[int, ...]] = {}
     averaged: list[tuple[int, Stop]] = []
     longest = scenario.travel_time[1]
-    inside = [_contact_intervals(stop, scenario.intervals / travel_time, scenario.intervals) for stop in made]
-    flown = scenario.intervals - sum(inside)
+    inside = [_contact_intervals(stop, total / travel_time, total) for stop in made]
+    flown = total - sum(inside)
     legs = np.diff(np.rint(flown * np.cumsum([0.0, *_leg_shares(len(made))])).astype(int))
     marks = np.array([0.0, *_contact_times(case, start, made), travel_time])
     names = ["approach", *(f"transfer_to_{stop.name}" for stop in made[1:]), "leave"]
@@ -133,7 +110,7 @@ def phase_grid(
         if not inside[i]:
             continue
         seconds = stop.contact_seconds
-        guess = (stop.kappa_init - 1) * travel_time / scenario.intervals if seconds is None else seconds
+        guess = (stop.kappa_init - 1) * travel_time / total if seconds is None else seconds
         low, high = (SHORTEST, longest) if seconds is None else (seconds, seconds)
         if seconds is None:
             averaged.append((len(found), stop))
@@ -168,7 +145,7 @@ def _contact_times(case: Formulation, start: Plan, made: Sequence[Stop]) -> Arra
     times = [float(start.time[list(nodes)].mean()) for nodes in found if nodes is not None]
     if len(times) == len(made) and np.all(np.diff([0.0, *times, start.travel_time]) > SHORTEST):
         return np.array(times)
-    return start.travel_time * spread(len(made), case.scenario.contact_guess)
+    return start.travel_time * spread(len(made), case.scenario.itinerary.middle)
 
 
 def nearest_window(plan: Plan, trajectory: Trajectory, count: int, stop: str = "") -> tuple[int, ...]:
@@ -222,7 +199,7 @@ def _kappa(start: Plan, trajectory: Trajectory, stop: Stop) -> Array:
 
 def _flight(case: Formulation, start: Plan) -> tuple[Mpcc, Trajectory]:
     scenario = case.scenario
-    grid = Grid((Phase("flight", scenario.intervals, *scenario.travel_time, start.travel_time),))
+    grid = Grid((Phase("flight", scenario.grid_intervals, *scenario.travel_time, start.travel_time),))
     base, trajectory = case.dynamics.transcribe(scenario, case.model, grid)
     return base.start_from(trajectory.encode(start)), trajectory
 
@@ -232,13 +209,18 @@ def _at_windows(case: Formulation, base: Mpcc, trajectory: Trajectory, contact: 
     made = [stop for stop in itinerary.stops if stop.name in contact]
     for stop in made:
         base += _coupling(case, trajectory, stop).at_nodes(contact[stop.name])
-    return Problem(base + open_order.choice(itinerary, made), trajectory, contact, itinerary.stops)
+    return Problem(base + open_order.choice(itinerary, made), trajectory, contact, _kappas(itinerary))
 
 
 def _coupling(case: Formulation, trajectory: Trajectory, stop: Stop) -> Coupling:
     return Coupling(
-        stop.contacts, case.model, stop.target, trajectory, case.scenario.contact_margin, stop.prefix
+        stop.contacts, case.model, stop.target, trajectory, case.scenario.itinerary.margins, stop.prefix
     )
+
+
+def _kappas(itinerary: Itinerary) -> dict[str, str]:
+    """Name of the progress variable of every stop, by the stop's name."""
+    return {stop.name: f"{stop.prefix}kappa" for stop in itinerary.stops}
 
 
 def _average_steps(grid: Grid, phase: int, stop: Stop) -> Mpcc:

@@ -9,11 +9,11 @@ import numpy as np
 from benchbench.arrays import Array
 from benchbench.formulation.formulation import Formulation
 from benchbench.formulation.gates import Place, at_nodes, by_progress, passed_at
-from benchbench.formulation.handover import Problem, Windows
+from benchbench.formulation.problem import Problem, Windows
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import racing
-from benchbench.ocp.plan import Plan
+from benchbench.ocp.plan import ONLY, Plan
 from benchbench.ocp.race import Race
 from benchbench.transcription.grid import Grid, Phase, Trajectory
 
@@ -28,13 +28,13 @@ def straight_line(race: Race, case: Formulation) -> Plan:
     model = case.model
     corners = np.array([race.start_position, *(goal.position for goal in race.goals)])
     passed = np.concatenate([[0.0], np.cumsum(race.segments)]) / race.speed_guess
-    time = np.linspace(0.0, passed[-1], race.intervals + 1)
+    time = np.linspace(0.0, passed[-1], race.grid_intervals + 1)
     place = np.stack([np.interp(time, passed, column) for column in corners.T], axis=-1)
-    lift = np.tile([0.0, 0.0, float(np.sum(model.hover()))], (race.intervals, 1))
+    lift = np.tile([0.0, 0.0, float(np.sum(model.hover()))], (race.grid_intervals, 1))
     q, v, _ = racing(model).follow(time, place, np.gradient(place, time, axis=0), lift)
-    progress = np.zeros(race.intervals + 1)
+    progress = np.zeros(race.grid_intervals + 1)
     progress[[int(np.argmin(np.abs(time - t))) for t in passed[1:]]] = 1.0
-    hover = np.tile(model.hover(), (race.intervals, 1))
+    hover = np.tile(model.hover(), (race.grid_intervals, 1))
     return Plan.of(model, time=time, configuration=q, velocity=v, inputs=hover, progress=progress)
 
 
@@ -56,29 +56,27 @@ def phases(race: Race, case: Formulation, start: Plan) -> Problem:
         base.start_from(trajectory.encode(start)) + Mpcc((), held),
         trajectory,
         _at(grid.ends),
-        race.itinerary.stops,
     )
 
 
 def held(race: Race, case: Formulation, start: Plan) -> Problem:
     """One step size, each gate at the node nearest to where the plan passes it; smooth."""
     base, trajectory = _flight(race, case, start)
-    nodes = (*nearest_nodes(race, start, trajectory), race.intervals)
+    nodes = (*nearest_nodes(race, start, trajectory), race.grid_intervals)
     return Problem(
         base + Mpcc((), at_nodes(race, _place(case), nodes, race.goals)),
         trajectory,
         _at(nodes),
-        race.itinerary.stops,
     )
 
 
 def free(race: Race, case: Formulation, start: Plan) -> Problem:
     """One step size; progress variables and complementarity say at which nodes the gates are passed."""
     base, trajectory = _flight(race, case, start)
-    end = at_nodes(race, _place(case), [race.intervals], race.goals[-1:])
-    mpcc = base + Mpcc((), end) + by_progress(race, _place(case), race.intervals)
-    kappa = passed_at(race.intervals, nearest_nodes(race, start, trajectory))
-    return Problem(mpcc.start_from({"kappa": kappa}), trajectory, None, race.itinerary.stops)
+    end = at_nodes(race, _place(case), [race.grid_intervals], race.goals[-1:])
+    mpcc = base + Mpcc((), end) + by_progress(race, _place(case), race.grid_intervals)
+    kappa = passed_at(race.grid_intervals, nearest_nodes(race, start, trajectory))
+    return Problem(mpcc.start_from({"kappa": kappa}), trajectory, None)
 
 
 def nearest_nodes(race: Race, plan: Plan, trajectory: Trajectory) -> tuple[int, ...]:
@@ -98,14 +96,14 @@ def _times(race: Race, plan: Plan) -> Sequence[float]:
 
 
 def _flight(race: Race, case: Formulation, start: Plan) -> tuple[Mpcc, Trajectory]:
-    grid = Grid((Phase("flight", race.intervals, *race.travel_time, start.travel_time),))
+    grid = Grid((Phase("flight", race.grid_intervals, *race.travel_time, start.travel_time),))
     base, trajectory = case.dynamics.transcribe(race, case.model, grid)
     return base.start_from(trajectory.encode(start)), trajectory
 
 
 def _at(nodes: Sequence[int]) -> Windows:
-    """Nodes at which the gates are passed, as the contact with a race's only target."""
-    return {"target": tuple(nodes)}
+    """Nodes at which the gates are passed, in the only column of the progress."""
+    return dict.fromkeys(ONLY, tuple(nodes))
 
 
 def _place(case: Formulation) -> Place:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Interpolation = Literal["hold", "linear", "bezier"]
+ONLY = ("target",)
+"""Name of the only column of the progress, where there are not several stops to tell apart."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Plan:
     input_units: tuple[str, ...]
     velocity_names: tuple[str, ...] = ()
     velocity_units: tuple[str, ...] = ()
-    stop_names: tuple[str, ...] = ("target",)
+    stop_names: tuple[str, ...] = ONLY
 
     def __post_init__(self) -> None:
         """Check the shapes against each other; raises ValueError naming the wrong one."""
@@ -82,7 +84,7 @@ class Plan:
         inputs: Array,
         progress: Array,
         interpolation: Interpolation = "hold",
-        stop_names: tuple[str, ...] = ("target",),
+        stop_names: tuple[str, ...] = ONLY,
     ) -> Plan:
         """Return the plan of a model, with its names and units."""
         q, v, u = model.configuration, model.velocity, model.inputs

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, final
 
-import casadi as ca
 import numpy as np
-from pydantic import Field, InstanceOf, model_validator
+from pydantic import Field, model_validator
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
-from benchbench.ocp.model import Model, space
-from benchbench.ocp.motion import Motion
-from benchbench.ocp.scenario import Ends, Finite, NonNegative, Positive, Scenario
+from benchbench.ocp.model import Model
+from benchbench.ocp.scenario import Ends, Finite, NonNegative, Positive, Scenario, at_rest, point
+from benchbench.ocp.stop import Itinerary, Order
 from benchbench.ocp.track import TRACKS, Gate, Track, is_point, read
 
 AXES = ("x", "y", "z")
-NOT_HERE = (
+HANDOVERS_OWN = (
     "target",
     "stops",
     "visit",
@@ -31,28 +29,13 @@ NOT_HERE = (
     "contact_margin",
     "intervals",
 )
-"""Fields of a handover that mean nothing in a race."""
+"""Fields of a handover: who gives one to a race is told that it means nothing there."""
 END_VELOCITIES = "free, rest, [vx, vy, vz] in m/s"
 MOST_FREE = 8
 """Gates whose order may be free: 40320 orders."""
 
 
-@dataclass(frozen=True)
-class Finish(Motion):
-    """The target of a race, for those that draw one: its end, which stands still."""
-
-    place: tuple[float, float, float]
-
-    @property
-    def parameters(self) -> Array:
-        """The place."""
-        return np.array(self.place)
-
-    def position(self, time: ca.SX, parameters: ca.SX) -> ca.SX:
-        """Constant."""
-        return parameters
-
-
+@final
 class Race(Scenario):
     """Fly from `start` through all gates, in order, to `end` in least time.
 
@@ -69,7 +52,10 @@ class Race(Scenario):
     speed_guess     first guess of the speed in m/s
     """
 
+    mark: ClassVar[tuple[str, ...]] = ("track",)
+
     track: str | Path | tuple[Any, ...]
+    order: Order = "fixed"
     sequence: tuple[int, ...] = ()
     gates: Annotated[int, Field(ge=1)] | None = None
     radius: Positive = 0.3
@@ -78,14 +64,12 @@ class Race(Scenario):
     nodes_per_gate: Annotated[int, Field(ge=4)] = 40
     gate_margin: Annotated[NonNegative, Field(lt=1)] = 0.0
     speed_guess: Positive = 5.0
-    target: InstanceOf[Motion] = Finish((0.0, 0.0, 0.0))
-    contacts: dict[str, Any] = Field(default_factory=dict)
     input_cost: NonNegative = 0.0
 
     @model_validator(mode="before")
     @classmethod
     def _only_what_a_race_has(cls, data: dict[str, Any]) -> dict[str, Any]:
-        for name in NOT_HERE:
+        for name in HANDOVERS_OWN:
             if data.get(name):
                 allowed = "nodes_per_gate" if name == "intervals" else "a handover, such as +scenario=circle"
                 raise BadInput(f"scenario.{name}", "means nothing in a race", allowed)
@@ -94,15 +78,13 @@ class Race(Scenario):
             raise BadInput("scenario.track", f"{track!r} was given", TRACKS)
         if not isinstance(velocity, str) and not is_point(velocity):
             raise BadInput("scenario.end_velocity", f"{velocity!r} was given", END_VELOCITIES)
-        return {key: value for key, value in data.items() if key not in NOT_HERE}
+        return {key: value for key, value in data.items() if key not in HANDOVERS_OWN}
 
     @model_validator(mode="after")
     def _consistent(self) -> Race:
         if isinstance(self.end_velocity, str) and self.end_velocity not in ("free", "rest"):
             raise BadInput("scenario.end_velocity", f"'{self.end_velocity}' was given", END_VELOCITIES)
         self._check_order()
-        object.__setattr__(self, "target", Finish(self.goals[-1].position))
-        object.__setattr__(self, "intervals", self.nodes_per_gate * len(self.goals))
         here = np.array(self.start_position)
         for number, goal in enumerate(self.goals, 1):
             there = np.array(goal.position)
@@ -134,7 +116,7 @@ class Race(Scenario):
 
     def flown_in(self, sequence: Sequence[int]) -> Race:
         """Return the same race with its gates in a fixed order, numbered as the track lists them."""
-        said = {name: getattr(self, name) for name in self.model_fields_set - set(NOT_HERE)}
+        said = {name: getattr(self, name) for name in self.model_fields_set}
         return Race(**{**said, "order": "fixed", "sequence": tuple(sequence)})
 
     @cached_property
@@ -160,24 +142,33 @@ class Race(Scenario):
         """Where the flight starts, m."""
         return self._position(self.course.start, self.start)
 
+    @property
+    def grid_intervals(self) -> int:
+        """`nodes_per_gate` for each gate and the end."""
+        return self.nodes_per_gate * len(self.goals)
+
+    def on_grid(self, intervals: int) -> None:
+        """Return None: the intervals are counted for each gate."""
+
+    @property
+    def itinerary(self) -> Itinerary:
+        """Nothing is touched; gates are flown through."""
+        return Itinerary()
+
     def start_point(self, model: Model) -> Array:
         """Return the start configuration (n_q,)."""
-        return self._placed(super().start_point(model), model, self.start_position)
+        return self._placed(point(self.start, model, "scenario.start"), model, self.start_position)
 
     def end_point(self, model: Model) -> Array:
-        """Return the end configuration (n_q,)."""
-        return self._placed(super().end_point(model), model, self.goals[-1].position)
+        """Return the end configuration (n_q,): in the middle of where the flight may end."""
+        return self._placed(point(self.end, model, "scenario.end"), model, self.goals[-1].position)
 
     def ends(self, model: Model) -> Ends:
         """Bounds of the last node; that it is near the end is a condition like that of the gates."""
-        box, end = self.limits(model), self.end_point(model)
-        low_v, high_v = (
-            bound[0] for bound in self.planned_rates_at(model, np.array([self.path_length(model)]))
-        )
+        box, whole = self.limits(model), np.array([np.sum(self.segments)])
         if self.end_velocity == "rest":
-            fixed = space(model).fixed_at_rest()
-            low, high = (np.where(fixed, end, bound) for bound in (box.lower, box.upper))
-            return Ends(low, high, np.zeros_like(low_v), np.zeros_like(high_v))
+            return at_rest(self.end_point(model), box, model)
+        low_v, high_v = (bound[0] for bound in self.planned_rates_at(model, whole))
         if not isinstance(self.end_velocity, str):
             low_v[:3] = high_v[:3] = self.end_velocity
         return Ends(box.lower, box.upper, low_v, high_v)
@@ -186,10 +177,6 @@ class Race(Scenario):
         """Nominal metres flown at each node, (nodes,): equal numbers of nodes for each straight line between gates."""
         corners = np.concatenate([[0.0], np.cumsum(self.segments)])
         return np.interp(np.linspace(0, len(corners) - 1, nodes), np.arange(len(corners)), corners)
-
-    def path_length(self, model: Model) -> float:
-        """Length in m of the straight lines from start through all gates to the end."""
-        return float(np.sum(self.segments))
 
     @property
     def segments(self) -> Array:

@@ -1,24 +1,23 @@
-"""A scenario: the task, told without any solver, transcription or relaxation."""
+"""A scenario: the task, told without any solver, transcription or relaxation; what every kind of it has."""
 
 from __future__ import annotations
 
-import re
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Annotated, Any, Self
+from typing import Annotated, ClassVar, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, InstanceOf, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
-from benchbench.ocp.contact import Contact
 from benchbench.ocp.model import Coordinates, Model, output_bounds, output_box, space, velocity_bounds
-from benchbench.ocp.motion import Motion
-from benchbench.ocp.stop import Itinerary, Order, Stop, Visit
+from benchbench.ocp.stop import Itinerary
 
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Finite = Annotated[float, Field(allow_inf_nan=False)]
+Share = Annotated[float, Field(ge=0, lt=1)]
 
 
 def _increasing(pair: tuple[float, float]) -> tuple[float, float]:
@@ -40,134 +39,76 @@ class Ends:
     upper_v: Array
 
 
-class StopFields(BaseModel):
-    """What a scenario says about one of several stops; what it leaves out is as in the scenario itself.
-
-    target           motion of the target
-    contacts         conditions that must hold together while in contact, by name
-    kappa_init       number of consecutive nodes in contact
-    contact_seconds  duration of the contact in s
-    reward           seconds of travel time that making the stop is worth; only with visit: optional
-    """
-
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
-
-    target: InstanceOf[Motion]
-    contacts: dict[str, InstanceOf[Contact]] | None = None
-    kappa_init: Annotated[int, Field(ge=1)] | None = None
-    contact_seconds: NonNegative | None = None
-    reward: Positive | None = None
-
-
-class Scenario(BaseModel):
-    """Fly from `start` to `end` in least time and touch the moving target on the way, or several of them.
+class Scenario(BaseModel, ABC):
+    """Fly from `start` to `end` in least time; what happens on the way, and how the flight ends, says the kind.
 
     start, end         coordinates by name (m, rad); what is not named is 0
-    start_velocity     velocities at the start by coordinate name (m/s, rad/s); what is not named is 0; the end is at rest
-    target             motion of the target, where there is one
-    stops              where there are several: stops by name, each with its target
-    order              fixed: stops are made as they are listed; free: in any order
-    visit              all: every stop is made; one: exactly one; optional: those with a reward may be left out
-    contacts           conditions that must hold together while in contact, by name
-    kappa_init         number of consecutive nodes in contact, at least 1 (paper Eq. 26)
-    contact_seconds    duration of the contact in s; null: (kappa_init - 1) average steps. Planned by the phase
-                       formulations, asked for by the certificate; progress variables only count nodes
-    contact_guess      where in the flight the contact is first guessed, as a fraction of the travel time;
-                       several stops are spread evenly before and after this middle
-    intervals          N, number of intervals of the time grid
+    start_velocity     velocities at the start by coordinate name (m/s, rad/s); what is not named is 0
     travel_time        allowed travel time [s, s]
     travel_time_guess  first guess of the travel time in s
     input_cost         c_u of the paper's cost t_N + c_u sum h |u - u_ref|^2, in 1/unit^2
     workspace          limits of coordinates by name that belong to the room, not to the vehicle
     rate_margin        share of a velocity limit that the planner leaves unused, by coordinate name: a
                        transcription keeps limits at its nodes, and the plan is judged by what is flown
-    contact_margin     the same for the limits of contacts, by contact name
     hover_ends         first and last input equal hover (authors' public demo; not in the paper)
+
+    A kind is a final subclass with fields of its own. `mark`: names of fields by which a configuration says that it is
+    of this kind; one of a kind without a mark says `kind: NAME` (see `benchbench.ocp.kinds`).
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+    mark: ClassVar[tuple[str, ...]] = ()
 
     name: str
     start: dict[str, Finite]
     end: dict[str, Finite]
     start_velocity: dict[str, Finite] = Field(default_factory=dict)
-    target: InstanceOf[Motion] | None = None
-    stops: dict[str, StopFields] = Field(default_factory=dict)
-    order: Order = "fixed"
-    visit: Visit = "all"
-    contacts: dict[str, InstanceOf[Contact]]
-    kappa_init: Annotated[int, Field(ge=1)] = 2
-    contact_seconds: NonNegative | None = None
-    contact_guess: Annotated[float, Field(gt=0, lt=1)] = 0.42
-    intervals: Annotated[int, Field(ge=4)] = 100
     travel_time: Range = (0.1, 30.0)
     travel_time_guess: Positive = 3.0
     input_cost: NonNegative = 3e-3
     workspace: dict[str, Range] = Field(default_factory=dict)
-    rate_margin: dict[str, Annotated[float, Field(ge=0, lt=1)]] = Field(default_factory=dict)
-    contact_margin: dict[str, Annotated[float, Field(ge=0, lt=1)]] = Field(default_factory=dict)
+    rate_margin: dict[str, Share] = Field(default_factory=dict)
     hover_ends: bool = False
 
-    @model_validator(mode="before")
-    @classmethod
-    def _drop_disabled_contacts(cls, data: dict[str, Any]) -> dict[str, Any]:
-        kept = {k: v for k, v in (data.get("contacts") or {}).items() if v is not None}
-        return {**data, "contacts": kept}
+    @property
+    @abstractmethod
+    def grid_intervals(self) -> int:
+        """N, number of intervals of the time grid."""
 
-    @model_validator(mode="after")
-    def _one_target_or_stops(self) -> Self:
-        check_stops(self)
-        return self
+    @abstractmethod
+    def on_grid(self, intervals: int) -> Self | None:
+        """Return the same with so many intervals; None where that is not how its grid is chosen."""
 
     @property
+    @abstractmethod
     def itinerary(self) -> Itinerary:
-        """All stops; a scenario with one `target` has one stop of that name."""
-        if self.target is not None:
-            only = Stop("target", self.target, self.contacts, self.kappa_init, self.contact_seconds)
-            return Itinerary((only,))
-        stops = (
-            Stop(
-                name, given.target, self.contacts if given.contacts is None else given.contacts,
-                given.kappa_init or self.kappa_init,
-                self.contact_seconds if given.contact_seconds is None else given.contact_seconds,
-                given.reward, f"{name}_",
-            )
-            for name, given in self.stops.items()
-        )  # fmt: skip
-        return Itinerary(tuple(stops), self.order, self.visit)
+        """What is touched on the way, perhaps nothing."""
 
+    @abstractmethod
     def start_point(self, model: Model) -> Array:
-        """Return the start configuration (n_q,)."""
-        return point(self.start, model, "scenario.start")
+        """Return the start configuration (n_q,); raises BadInput for a coordinate that the vehicle lacks."""
+
+    @abstractmethod
+    def end_point(self, model: Model) -> Array:
+        """Return the end configuration (n_q,), where the end is one; raises BadInput as `start_point` does."""
+
+    @abstractmethod
+    def ends(self, model: Model) -> Ends:
+        """Bounds of the last node."""
+
+    @abstractmethod
+    def flown(self, model: Model, nodes: int) -> Array:
+        """Nominal metres flown at each of `nodes` nodes, (nodes,): shares of the nominal path."""
 
     def start_rates(self, model: Model) -> Array:
-        """Return the velocity at the start (n_v,)."""
+        """Return the velocity at the start (n_v,); raises BadInput for a coordinate that the vehicle lacks."""
         v = np.zeros(len(model.velocity.names))
         for name, value in self.start_velocity.items():
             v[coordinate(name, model.velocity, "scenario.start_velocity")] = value
         return v
 
-    def end_point(self, model: Model) -> Array:
-        """Return the end configuration (n_q,)."""
-        return point(self.end, model, "scenario.end")
-
-    def ends(self, model: Model) -> Ends:
-        """Bounds of the last node: the end point, at rest."""
-        end, rest, box = self.end_point(model), np.zeros(len(model.velocity.names)), self.limits(model)
-        low, high = (np.where(space(model).fixed_at_rest(), end, bound) for bound in (box.lower, box.upper))
-        return Ends(low, high, rest, rest)
-
-    def flown(self, model: Model, nodes: int) -> Array:
-        """Nominal metres flown at each of `nodes` nodes, (nodes,): shares of the nominal path."""
-        return np.linspace(0.0, self.path_length(model), nodes)
-
-    def path_length(self, model: Model) -> float:
-        """Length in m of the nominal path: the straight line."""
-        metres = [i for i, unit in enumerate(model.configuration.units) if unit == "m"]
-        return float(np.linalg.norm((self.end_point(model) - self.start_point(model))[metres]))
-
     def limits(self, model: Model) -> Coordinates:
-        """Limits of the configuration: the vehicle's, tightened by the workspace."""
+        """Limits of the configuration: the vehicle's, tightened by the workspace; raises BadInput where none are left."""
         own = model.configuration
         lower, upper = own.lower.copy(), own.upper.copy()
         for name, (low, high) in self.workspace.items():
@@ -208,27 +149,17 @@ class Scenario(BaseModel):
         return share
 
 
-def check_stops(scenario: Scenario) -> None:
-    """Raise BadInput where targets, stops, order and visit do not fit together."""
-    stops = scenario.stops
-    if scenario.target is not None and stops:
-        allowed = "no target; each of scenario.stops has its own"
-        raise BadInput("scenario.target", "is given beside scenario.stops", allowed)
-    if scenario.target is None and not stops:
-        raise BadInput("scenario.target", "is missing")
-    if scenario.visit == "one" and len(stops) < 2:
-        raise BadInput("scenario.visit", "one of several is asked for, but there is one stop", "all")
-    for name, stop in stops.items():
-        if not re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name):
-            raise BadInput(f"scenario.stops.{name}", "is no name", "letters, digits and single _ in between")
-        if stop.reward is not None and scenario.visit != "optional":
-            allowed = "no reward, or scenario.visit=optional"
-            raise BadInput(
-                f"scenario.stops.{name}.reward", f"means nothing with visit={scenario.visit}", allowed
-            )
-    if scenario.visit == "optional" and all(stop.reward is None for stop in stops.values()):
-        allowed = "scenario.stops.NAME.reward, in s, for each stop that may be left out"
-        raise BadInput("scenario.visit", "no stop has a reward, so none may be left out", allowed)
+def at_rest(end: Array, limits: Coordinates, model: Model) -> Ends:
+    """Bounds of the last node of a flight that ends at rest in `end` (n_q,), in all that is not free at rest."""
+    still, fixed = np.zeros(len(model.velocity.names)), space(model).fixed_at_rest()
+    low, high = (np.where(fixed, end, bound) for bound in (limits.lower, limits.upper))
+    return Ends(low, high, still, still)
+
+
+def straight(start: Array, end: Array, model: Model, nodes: int) -> Array:
+    """Metres flown at each of `nodes` nodes, (nodes,), along the straight line from start to end, each (n_q,)."""
+    metres = [i for i, unit in enumerate(model.configuration.units) if unit == "m"]
+    return np.linspace(0.0, float(np.linalg.norm((end - start)[metres])), nodes)
 
 
 def coordinate(name: str, of: Coordinates, field: str) -> int:
@@ -239,7 +170,7 @@ def coordinate(name: str, of: Coordinates, field: str) -> int:
 
 
 def point(values: dict[str, float], model: Model, field: str) -> Array:
-    """Return a configuration (n_q,) from values by name; the rest is as in `Space.origin`."""
+    """Return a configuration (n_q,) from values by name; the rest is as in `Space.origin`. Raises BadInput."""
     q = np.asarray(space(model).origin(), float)
     for name, value in values.items():
         q[coordinate(name, model.configuration, field)] = value

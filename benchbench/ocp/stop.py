@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, combinations, permutations
 from typing import Literal
@@ -13,6 +13,7 @@ from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.contact import Contacts
 from benchbench.ocp.motion import Motion
+from benchbench.ocp.plan import ONLY
 
 Order = Literal["fixed", "free"]
 Visit = Literal["all", "one", "optional"]
@@ -51,20 +52,29 @@ class Stop:
 
 @dataclass(frozen=True)
 class Itinerary:
-    """All stops of a scenario and what is asked of them.
+    """All stops of a scenario, perhaps none, and what is asked of them.
 
-    order  "fixed": as they are listed; "free": any
-    visit  "all": every stop; "one": exactly one of them; "optional": those with a reward may be left out
+    order    "fixed": as they are listed; "free": any
+    visit    "all": every stop; "one": exactly one of them; "optional": those with a reward may be left out
+    middle   where in the flight, as a share of its time, the stops are first guessed
+    margins  share of the limits of contacts that the planner leaves unused, by contact name
     """
 
-    stops: tuple[Stop, ...]
+    stops: tuple[Stop, ...] = ()
     order: Order = "fixed"
     visit: Visit = "all"
+    middle: float = 0.5
+    margins: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:
         """Names of all stops as they are listed."""
         return tuple(stop.name for stop in self.stops)
+
+    @property
+    def claimed(self) -> tuple[str, ...]:
+        """Names of the columns of a plan's progress: those of the stops; without any there is one all the same."""
+        return self.names or ONLY
 
     @property
     def listed(self) -> tuple[Stop, ...]:
@@ -78,7 +88,7 @@ class Itinerary:
     @property
     def may_skip_all(self) -> bool:
         """Whether a flight without any stop may be right."""
-        return self.visit == "optional" and all(map(self.may_skip, self.stops))
+        return not self.stops or (self.visit == "optional" and all(map(self.may_skip, self.stops)))
 
     def sequences(self) -> Iterator[tuple[Stop, ...]]:
         """Every sequence of stops that is allowed, the obvious one first."""

@@ -19,8 +19,8 @@ from benchbench.nlp.homotopy import Solved
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.method import Method
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.race import Race
 from benchbench.planning.result import Result, Solution
+from benchbench.storage.columns import columns
 
 
 class Guess(ABC):
@@ -94,10 +94,10 @@ class Case(AnyCase, Formulation):
     def told(self, result: Result) -> Mapping[str, Any]:
         """Grid, times, and the task where the plan is ours on the scenario's own grid, so comparable with others."""
         plan, scenario = result.plan, self.scenario
-        comparable = result.posed is not None and plan.intervals == scenario.intervals
+        comparable = result.posed is not None and plan.intervals == scenario.grid_intervals
         return {
             "intervals": plan.intervals,
-            "kappa_init": None if isinstance(scenario, Race) else scenario.kappa_init,
+            **columns(scenario),
             "travel_time_s": plan.travel_time,
             "lower_bound_s": lower_bound(scenario, self.model, self.model.plant()),
             "task_hash": self.task_hash if comparable else None,

@@ -46,8 +46,8 @@ def straight_line(case: Case, sequence: Sequence[Stop] | None = None) -> Plan:
     scenario, model = case.scenario, case.model
     itinerary = scenario.itinerary
     made = itinerary.listed if sequence is None else tuple(sequence)
-    total, n = scenario.travel_time_guess, scenario.intervals
-    shares = spread(len(made), scenario.contact_guess)
+    total, n = scenario.travel_time_guess, scenario.grid_intervals
+    shares = spread(len(made), itinerary.middle)
     start, end = scenario.start_point(model), scenario.end_point(model)
     corners = np.stack([start, *(over(case, s, t) for s, t in zip(made, shares * total, strict=True)), end])
     time = np.linspace(0.0, total, n + 1)
@@ -61,13 +61,16 @@ def straight_line(case: Case, sequence: Sequence[Stop] | None = None) -> Plan:
 
 
 def hovering(case: Case, time: Array, q: Array, progress: Array) -> Plan:
-    """Make a plan of nodes at `time` (n + 1,) s, at hover, that moves as q (n + 1, n_q) does."""
-    c, w = case.model.configuration, case.model.velocity
+    """Make a plan of nodes at `time` (n + 1,) s, at hover, that moves as q (n + 1, n_q) does.
+
+    progress: (n + 1, stops); of no stops none is claimed.
+    """
+    c, w, claimed = case.model.configuration, case.model.velocity, case.scenario.itinerary.claimed
     moving = np.gradient(q, time, axis=0) if c.names == w.names else np.zeros((len(time), len(w.names)))
     return Plan.of(
         case.model, time=time, configuration=q, velocity=moving,
-        inputs=np.tile(case.model.hover(), (len(time) - 1, 1)), progress=progress,
-        stop_names=case.scenario.itinerary.names,
+        inputs=np.tile(case.model.hover(), (len(time) - 1, 1)),
+        progress=progress if progress.size else np.zeros((len(time), len(claimed))), stop_names=claimed,
     )  # fmt: skip
 
 

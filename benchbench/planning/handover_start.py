@@ -1,4 +1,4 @@
-"""A start for handovers: the time-optimal flight of a point mass that meets each target on the way."""
+"""A start for flights with stops: the time-optimal flight of a point mass that meets each target on the way."""
 
 from __future__ import annotations
 
@@ -25,17 +25,18 @@ NEAR, SLOW = 0.1, 0.3
 
 def point_mass_plan(case: Case, ledger: Ledger) -> Plan:
     """One phase to each stop and one to the end; what a point mass does not have goes in a straight line."""
-    scenario, model, made = case.scenario, case.model, case.scenario.itinerary.listed
+    scenario, model, itinerary = case.scenario, case.model, case.scenario.itinerary
+    made = itinerary.listed
     start, end = scenario.start_point(model), scenario.end_point(model)
-    guess = scenario.travel_time_guess * spread(len(made), scenario.contact_guess)
+    guess = scenario.travel_time_guess * spread(len(made), itinerary.middle)
     spans, longest = np.diff([0.0, *guess, scenario.travel_time_guess]), scenario.travel_time[1]
     grid = Grid(tuple(Phase(f"leg_{i}", INTERVALS, SHORTEST, longest, float(s)) for i, s in enumerate(spans)))
     corners = [over(case, stop, time) for stop, time in zip(made, guess, strict=True)]
     hang = model.plant().tool(start, np.zeros(len(model.velocity.names)))[0] - start[:3]
     meetings = tuple(_meeting(grid, stop, i + 1, hang) for i, stop in enumerate(made))
-    met = np.zeros((grid.intervals + 1, len(scenario.itinerary.stops)))
+    met = np.zeros((grid.intervals + 1, len(itinerary.claimed)))
     for i, stop in enumerate(made):
-        met[(i + 1) * INTERVALS, scenario.itinerary.names.index(stop.name)] = 1.0
+        met[(i + 1) * INTERVALS, itinerary.names.index(stop.name)] = 1.0
     plan = fly(case, ledger, grid, np.stack([start, *corners, end])[:, :3], Mpcc((), meetings), met)
     share = (plan.time / plan.travel_time)[:, None]
     line = (1 - share) * start + share * end

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import singledispatch
 
 import numpy as np
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.limited import Limited
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.handover import Handover
+from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge
@@ -57,7 +60,18 @@ def measured(
 
 
 def _with(case: Case, margins: Margins) -> Case:
-    return replace(case, scenario=case.scenario.model_copy(update=margins))
+    return replace(case, scenario=keeping(case.scenario, margins))
+
+
+@singledispatch
+def keeping(scenario: Scenario, margins: Margins) -> Scenario:
+    """Return the scenario with these margins, of those that its kind has."""
+    return scenario.model_copy(update={"rate_margin": margins["rate_margin"]})
+
+
+@keeping.register
+def _(scenario: Handover, margins: Margins) -> Scenario:
+    return scenario.model_copy(update=margins)
 
 
 def _raised(margins: Margins, found: Certificate, case: Case) -> Margins:

@@ -10,6 +10,7 @@ import tempfile
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import singledispatch
 from pathlib import Path
 from typing import ClassVar, Literal
 
@@ -17,6 +18,7 @@ from benchbench.errors import BadInput, Crash, IncompatibleCase, NoPlan, Timeout
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
 from benchbench.storage.flight import plan_of
 from benchbench.storage.flight_csv import read_csv
@@ -72,10 +74,9 @@ def ask(peer: Peer, case: Case, seconds: float) -> Plan:
     """
     if reason := peer.missing():
         raise Unavailable(f"peer '{peer.name}': {reason}")
-    if not isinstance(case.scenario, Race):
-        raise IncompatibleCase("peer", f"'{peer.name}' plans races only", "+scenario=race")
+    race = raced(case.scenario, peer.name)
     with tempfile.TemporaryDirectory(prefix="benchbench-peer-") as folder:
-        call = peer.call(case.scenario, racer(case.model), Path(folder))
+        call = peer.call(race, racer(case.model), Path(folder))
         _run(peer.name, call, seconds)
         if not call.result.is_file():
             raise NoPlan(f"peer '{peer.name}' wrote no plan; it says: {_said(call)}")
@@ -86,6 +87,17 @@ def ask(peer: Peer, case: Case, seconds: float) -> Plan:
         except BadInput as error:
             problem = str(error).replace(str(call.result), call.result.name)
             raise NoPlan(f"peer '{peer.name}' wrote what is no plan: {problem}") from None
+
+
+@singledispatch
+def raced(scenario: Scenario, peer: str) -> Race:
+    """Return the scenario as the race that a peer can be asked for; raises IncompatibleCase where it is none."""
+    raise IncompatibleCase("peer", f"'{peer}' plans races only", "+scenario=race")
+
+
+@raced.register
+def _(scenario: Race, peer: str) -> Race:
+    return scenario
 
 
 def racer(model: Model) -> Racer:

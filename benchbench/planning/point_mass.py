@@ -40,7 +40,7 @@ def fly(case: Case, ledger: Ledger, grid: Grid, corners: Array, conditions: Mpcc
     q, v, u = racing(case.model).follow(time, values["p"], values["v"], values["f"])
     return Plan.of(
         case.model, time=time, configuration=q, velocity=v, inputs=u, progress=progress,
-        stop_names=case.scenario.itinerary.names,
+        stop_names=case.scenario.itinerary.claimed,
     )  # fmt: skip
 
 

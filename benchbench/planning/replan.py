@@ -16,14 +16,16 @@ from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation.coupling import retargeted
-from benchbench.formulation.handover import SHORTEST, Problem, phases
+from benchbench.formulation.handover import SHORTEST, phases
+from benchbench.formulation.problem import Problem
 from benchbench.mpcc.problem import Variable
 from benchbench.nlp.homotopy import Solved
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.solver import Outcome, Setup
 from benchbench.ocp.motion import Motion, same_kind
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.stop import Stop
 from benchbench.planning.case import Case
 from benchbench.planning.guess import straight_line
 from benchbench.planning.result import Result
@@ -62,14 +64,11 @@ class Replanner:
     """
 
     def __init__(self, case: Case) -> None:
-        if isinstance(case.scenario, Race) or case.scenario.target is None:
-            raise IncompatibleCase(
-                "scenario", "has no single target that moves", "a handover with one target"
-            )
+        contacts = tuple(chased(case.scenario).contacts)
         began, ledger = time.perf_counter(), Ledger(case.time_limit)
         problem = phases(case, straight_line(case))
         setup = Setup(case.time_limit, case.iteration_limit, case.accuracy, case.compile)
-        self._solve = case.solver.prepare_parametric(problem.mpcc, setup, tuple(case.scenario.contacts))
+        self._solve = case.solver.prepare_parametric(problem.mpcc, setup, contacts)
         result = pose(problem, case, ledger, "first plan")
         self.first = self.last = Replan(case, result, time.perf_counter() - began, cold=True)
 
@@ -112,8 +111,8 @@ def moved(case: Case, target: Motion, q: Array, v: Array) -> Case:
         if np.shape(values) != (len(box.names),) or not np.all(np.isfinite(values)):
             problem, names = f"{np.array(values).tolist()} was given", ", ".join(box.names)
             raise BadInput(field, problem, f"{len(box.names)} numbers: {names}")
-    known = case.scenario.target
-    if known is None or not same_kind(target, known):
+    known = chased(case.scenario).target
+    if not same_kind(target, known):
         raise BadInput("target", f"'{type(target).__name__}' is another kind of motion", type(known).__name__)
     start = dict(zip(case.model.configuration.names, map(float, q), strict=True))
     rates = dict(zip(case.model.velocity.names, map(float, v), strict=True))
@@ -121,14 +120,21 @@ def moved(case: Case, target: Motion, q: Array, v: Array) -> Case:
     return replace(case, scenario=case.scenario.model_copy(update=update))
 
 
+def chased(scenario: Scenario) -> Stop:
+    """Return the stop of which news may come, whose motion is the scenario's `target`; raises IncompatibleCase without."""
+    stops = scenario.itinerary.stops
+    if len(stops) != 1 or stops[0].prefix:
+        raise IncompatibleCase("scenario", "has no single target that moves", "a handover with one target")
+    return stops[0]
+
+
 def renumbered(problem: Problem, case: Case, target: Motion) -> Problem:
     """The problem of phases with the start of another case and its target: what `phases` would build, guesses aside."""
     scenario, model = case.scenario, case.model
     ends = {"q": scenario.start_point(model), "v": scenario.start_rates(model)}
     variables = tuple(_starting(v, ends[v.name]) if v.name in ends else v for v in problem.mpcc.variables)
-    blocks = tuple(
-        retargeted(b, target) if b.name in scenario.contacts else b for b in problem.mpcc.constraints
-    )
+    contacts = chased(scenario).contacts
+    blocks = tuple(retargeted(b, target) if b.name in contacts else b for b in problem.mpcc.constraints)
     return replace(problem, mpcc=replace(problem.mpcc, variables=variables, constraints=blocks))
 
 

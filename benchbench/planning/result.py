@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, final
 
-from benchbench.formulation.handover import Problem
+from benchbench.formulation.problem import Problem
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.residuals import Residuals, residuals
 from benchbench.nlp.homotopy import Solved

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.errors import IncompatibleCase
-from benchbench.formulation.handover import Problem
+from benchbench.formulation.problem import Problem
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan

@@ -12,8 +12,7 @@ from typing import Any
 from hydra.utils import get_object
 from omegaconf import DictConfig, OmegaConf
 
-from benchbench.ocp.race import Race
-from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.kinds import kind_of
 
 PLANNING = (
     "contact_guess", "travel_time_guess", "speed_guess", "rate_margin", "contact_margin", "gate_margin",
@@ -33,9 +32,8 @@ def task_hash(cfg: DictConfig) -> str:
     """
     tree: Any = OmegaConf.to_container(cfg, resolve=True)
     scenario = tree["scenario"]
-    kind = Race if "track" in scenario else Scenario
     content = {
-        "scenario": _without(_content(scenario, _defaults(kind)), (*PLANNING, *LABELS)),
+        "scenario": _without(_content(scenario, _defaults(kind_of(scenario))), (*PLANNING, *LABELS)),
         "vehicle": _without(_content(tree["vehicle"]), LABELS),
         "dynamics": _content(tree["dynamics"]),
         "certificate": _without(_content(tree["certificate"]), ("stationarity", "stationarity_seconds")),

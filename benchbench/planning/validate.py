@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 import re
+from functools import singledispatch
 
 import numpy as np
 
@@ -33,24 +34,42 @@ def validate(case: AnyCase) -> None:
 def _flight(case: Case) -> None:
     numbers(case)
     _vehicle(case)
-    if isinstance(case.scenario, Race):
-        _racer(case)
+    suits(case.scenario, case)
     _pose("start", case.scenario.start_point(case.model), case)
     _pose("end", case.scenario.end_point(case.model), case)
-    if isinstance(case.scenario, Race):
-        _course(case.scenario, case)
-    else:
-        _reachable(case)
+    possible(case.scenario, case)
+
+
+@singledispatch
+def suits(scenario: Scenario, case: Case) -> None:
+    """Raise IncompatibleCase for a vehicle that lacks what this kind of scenario needs; most need nothing more."""
+
+
+@singledispatch
+def possible(scenario: Scenario, case: Case) -> None:
+    """Raise BadInput where stops are out of reach, or the time is too short."""
+    for stop in scenario.itinerary.stops:
+        _near(stop, case)
+    latest = scenario.travel_time[1]
+    bound = lower_bound(scenario, case.model, case.model.plant())
+    if bound == np.inf:
+        problem = f"is out of reach: at full speed the vehicle does not meet it within {latest:g} s"
+        raise BadInput(_field(scenario), problem, "a nearer target, or a longer scenario.travel_time")
+    if bound > latest:
+        problem = f"{latest:g} s are too short, at full speed the flight takes {bound:.3f} s"
+        raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
 
 
 def numbers(case: Case) -> None:
     """Raise BadInput for counts and durations that do not fit into each other."""
     scenario = case.scenario
     stops = scenario.itinerary.listed
-    most = scenario.intervals - len(stops) - 1  # one interval to come, one from stop to stop, one to leave
+    most = (
+        scenario.grid_intervals - len(stops) - 1
+    )  # one interval to come, one from stop to stop, one to leave
     asked = sum(stop.kappa_init for stop in stops)
     if asked > most:
-        problem = f"{asked} nodes in contact do not fit into {scenario.intervals} intervals"
+        problem = f"{asked} nodes in contact do not fit into {scenario.grid_intervals} intervals"
         raise BadInput("scenario.kappa_init", problem, f"1 to {most}{' in all' * (len(stops) > 1)}")
     first, last = scenario.travel_time
     if not 0 <= first <= last < np.inf or last == 0:
@@ -115,21 +134,6 @@ def _pose(which: str, q: Array, case: Case) -> None:
             raise BadInput(f"scenario.{which}.{name}", problem, allowed)
 
 
-def _reachable(case: Case) -> None:
-    """Some time each target is near where the vehicle may be, and there is time to go there and to the end."""
-    scenario, model = case.scenario, case.model
-    plant, latest = model.plant(), scenario.travel_time[1]
-    for stop in scenario.itinerary.stops:
-        _near(stop, case)
-    bound = lower_bound(scenario, model, plant)
-    if bound == np.inf:
-        problem = f"is out of reach: at full speed the vehicle does not meet it within {latest:g} s"
-        raise BadInput(_field(scenario), problem, "a nearer target, or a longer scenario.travel_time")
-    if bound > latest:
-        problem = f"{latest:g} s are too short, at full speed the flight takes {bound:.3f} s"
-        raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
-
-
 def _near(stop: Stop, case: Case) -> None:
     """Some time the target is near where the vehicle may be."""
     scenario, model = case.scenario, case.model
@@ -149,19 +153,21 @@ def _near(stop: Stop, case: Case) -> None:
 
 def _field(scenario: Scenario, stop: Stop | None = None) -> str:
     """Name of the field that gives the target of a stop, or of all of them."""
-    if scenario.target is not None:
+    if not any(one.prefix for one in scenario.itinerary.stops):
         return "scenario.target"
     return "scenario.stops" if stop is None else f"scenario.stops.{stop.name}.target"
 
 
-def _racer(case: Case) -> None:
+@suits.register
+def _(scenario: Race, case: Case) -> None:
     """The vehicle says what a race is guessed from."""
     if not isinstance(case.model, RacingModel):
         able = "race_quadrotor, race_ramp, or a model that gives specific_thrust and follow"
         raise IncompatibleCase("vehicle", f"'{case.names['vehicle']}' cannot race", able)
 
 
-def _course(race: Race, case: Case) -> None:
+@possible.register
+def _(race: Race, case: Case) -> None:
     """Every gate can be reached at least in part, and there is time for the race."""
     limits = race.limits(case.model)
     for number, goal in enumerate(race.goals, 1):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, singledispatch
 
 import numpy as np
 
@@ -18,8 +18,9 @@ from benchbench.certificate.window_bound import window_bounds
 from benchbench.errors import IncompatibleCase
 from benchbench.formulation.handover import fixed_window, nearest_windows
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
 from benchbench.planning.margins import BEST_ONLY
 from benchbench.planning.result import Result
@@ -51,9 +52,9 @@ class Windows:
     def bounds(self) -> Array:
         """Lower bounds in s by first node."""
         scenario = self.case.scenario
-        first = np.arange(scenario.intervals - self.count + 1)
+        first = np.arange(scenario.grid_intervals - self.count + 1)
         last = first + self.count - 1
-        shares = first / scenario.intervals, last / scenario.intervals
+        shares = first / scenario.grid_intervals, last / scenario.grid_intervals
         with self.ledger.building():
             return window_bounds(scenario, self.case.model, self.case.limits, *shares)
 
@@ -71,11 +72,11 @@ class Windows:
         costs = [self.found[i].objective if i in self.found else np.inf for i in (k - 1, k, k + 1)]
         bent = costs[0] - 2 * costs[1] + costs[2]
         shift = (costs[0] - costs[2]) / (2 * bent) if np.isfinite(bent) and bent > 0 else 0.0
-        return (k + shift + (self.count - 1) / 2) / self.case.scenario.intervals
+        return (k + shift + (self.count - 1) / 2) / self.case.scenario.grid_intervals
 
     def first_at(self, share: float) -> int:
         """First node of the window whose middle is nearest to a share of the flight."""
-        intervals = self.case.scenario.intervals
+        intervals = self.case.scenario.grid_intervals
         return int(np.clip(round(share * intervals - (self.count - 1) / 2), 0, intervals + 1 - self.count))
 
     @property
@@ -121,7 +122,7 @@ class Windows:
         return Account(solved, len(self.found) - solved, int(pruned), len(rest) - int(pruned))
 
     def _open(self, k: int) -> bool:
-        last = self.case.scenario.intervals + 1 - self.count
+        last = self.case.scenario.grid_intervals + 1 - self.count
         new = 0 <= k <= last and k not in self.found
         return new and not (self.bounded and self.bounds[k] >= self.best.objective)
 
@@ -150,7 +151,7 @@ def solved_again(case: Case, ledger: Ledger, near: Result) -> Result:
 def check_one_contact(case: Case) -> None:
     """Raise IncompatibleCase unless one stop has to be made, for kappa_init nodes."""
     scenario, strategy = case.scenario, case.names["strategy"]
-    if isinstance(scenario, Race) or len(scenario.itinerary.stops) != 1:
+    if len(scenario.itinerary.stops) != 1:
         problem = f"'{strategy}' searches for one contact"
         raise IncompatibleCase("strategy", problem, "phases, sequences, orders")
     (stop,) = scenario.itinerary.stops
@@ -164,11 +165,22 @@ def check_one_contact(case: Case) -> None:
 
 def coarser(case: Case, levels: int) -> Iterable[Case]:
     """The case on grids of N / 2^(levels - 1), ..., N / 2, N intervals, its contact as long in s as it can be."""
-    scenario = case.scenario
     for level in range(levels - 1, 0, -1):
-        intervals = scenario.intervals // 2**level
-        count = max(round((scenario.kappa_init - 1) / 2**level) + 1, min(scenario.kappa_init, 2))
-        if intervals >= max(10, 2 * count):
-            small = {"intervals": intervals, "kappa_init": count}
-            yield replace(case, scenario=scenario.model_copy(update=small))
+        if small := coarsened(case.scenario, 2**level):
+            yield replace(case, scenario=small)
     yield case
+
+
+@singledispatch
+def coarsened(scenario: Scenario, factor: int) -> Scenario | None:
+    """Return the scenario on a grid of N / factor intervals, its contact as long in s; None where that is too coarse."""
+    return None
+
+
+@coarsened.register
+def _(scenario: Handover, factor: int) -> Scenario | None:
+    intervals, asked = scenario.intervals // factor, scenario.kappa_init
+    count = max(round((asked - 1) / factor) + 1, min(asked, 2))
+    if intervals < max(10, 2 * count):
+        return None
+    return scenario.model_copy(update={"intervals": intervals, "kappa_init": count})

@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import singledispatch
 from math import ceil
 from pathlib import Path
 
@@ -62,7 +63,7 @@ def draw(
     Raises BadInput("output", ...) when the file system refuses.
     """
     with mpl.rc_context(RC), replacing(path) as temporary:
-        write_png(_figure(plan, scenario, model, replay, title, verdict), temporary)
+        write_png(drawn(scenario, plan, model, replay, title, verdict), temporary)
 
 
 def figure(
@@ -75,15 +76,18 @@ def figure(
     verdict  "certified", or "NOT certified: <first reason>"
     """
     with mpl.rc_context(RC):
-        return _figure(plan, scenario, model, replay, title, verdict)
+        return drawn(scenario, plan, model, replay, title, verdict)
 
 
-def _figure(
-    plan: Plan, scenario: Scenario, model: Model, replay: Replay | None, title: str, verdict: str
+@singledispatch
+def drawn(
+    scenario: Scenario, plan: Plan, model: Model, replay: Replay | None, title: str, verdict: str
 ) -> Figure:
-    if isinstance(scenario, Race):
-        return race_figure(plan, scenario, model, replay, title, verdict)
+    """Draw the page: views of the motion, contacts and limits over time, unless the kind of scenario has a page of its own."""
     return compose(page(plan, scenario, model, replay, title, verdict), replay is not None)
+
+
+drawn.register(Race, race_figure)
 
 
 def page(

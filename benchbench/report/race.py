@@ -47,7 +47,7 @@ class Flight:
 
 
 def race_figure(
-    plan: Plan, race: Race, model: Model, replay: Replay | None, title: str, verdict: str
+    race: Race, plan: Plan, model: Model, replay: Replay | None, title: str, verdict: str
 ) -> Figure:
     """Lay the page out."""
     race = as_passed(plan, race, NEAR)
@@ -94,7 +94,7 @@ def _header(figure: SubFigure, plan: Plan, race: Race, title: str, verdict: str)
 
 def _limits(figure: SubFigure, plan: Plan, race: Race, model: Model, replay: Replay | None) -> None:
     """Panels over time, with a line where a gate is passed."""
-    panels = race_panels(plan, race, model, replay)
+    panels = race_panels(race, plan, model, replay)
     flown = plan if replay is None else replay
     found = passes(flown.time, flown.configuration[:, :3], race.goals, NEAR)
     shares = [1.0 if panel.unit in ("m", "m/s") else 1.3 for panel in panels]

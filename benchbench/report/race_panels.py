@@ -18,7 +18,7 @@ ALIKE = 2.0
 INPUTS = {"N": "Motor forces", "N m": "Servo torque"}
 
 
-def race_panels(plan: Plan, race: Race, model: Model, replay: Replay | None) -> list[Panel]:
+def race_panels(race: Race, plan: Plan, model: Model, replay: Replay | None) -> list[Panel]:
     """Speed, inputs by unit, limited angular rates by size, height."""
     flown = plan if replay is None else replay
     speed, height = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import singledispatch
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -84,10 +85,19 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
     plant = model.plant()
     tool, _ = plant.tool(plan.configuration, plan.velocity)
     flown = None if replay is None else plant.tool(replay.configuration, replay.velocity)[0]
-    if isinstance(scenario, Race):
-        return Scene(plan, model, tool, {}, flown, outlines(as_passed(plan, scenario, 0.0).goals))
     targets = {stop.name: sample(stop.target, plan.time)[0] for stop in scenario.itinerary.stops}
-    return Scene(plan, model, tool, targets, flown)
+    return Scene(plan, model, tool, targets, flown, marks(scenario, plan))
+
+
+@singledispatch
+def marks(scenario: Scenario, plan: Plan) -> Mapping[str, Array]:
+    """Lines (n, 3) m of what stands in the room, by what is written there; by kind of scenario, most have nothing."""
+    return {}
+
+
+@marks.register
+def _(scenario: Race, plan: Plan) -> Mapping[str, Array]:
+    return outlines(as_passed(plan, scenario, 0.0).goals)
 
 
 def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> None:

@@ -22,8 +22,8 @@ from benchbench.errors import BadInput, BenchBenchError, invalid, unknown_field
 from benchbench.mpcc.ready import ReadyMade
 from benchbench.nlp.relaxation import Relaxation
 from benchbench.nlp.solver import Solver
+from benchbench.ocp.kinds import FIELD, kind_of
 from benchbench.ocp.model import Model
-from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case, Guess, ReadyCase, Strategy
 from benchbench.planning.task_hash import task_hash
@@ -169,9 +169,9 @@ def _flight(parts: Mapping[str, Any], names: Mapping[str, str], how: Mapping[str
 
 def scenario_of(values: Mapping[str, Any]) -> Scenario:
     """Make a flight's scenario of its fields. Raises BadInput."""
-    kind = Race if "track" in values else Scenario
+    kind = kind_of(values)
     try:
-        scenario = kind(**values)
+        scenario = kind(**{name: value for name, value in values.items() if name != FIELD})
     except ValidationError as error:
         raise invalid("scenario", error, kind.model_fields) from None
     _check_margins(values)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.motion import sample
-from benchbench.ocp.plan import Plan
+from benchbench.ocp.plan import ONLY, Plan
 from benchbench.storage.entry import Entry, nanoseconds
 from benchbench.storage.files import replacing
 
@@ -31,6 +31,8 @@ CHUNK_BYTES = 64 * 1024
 
 XYZ = ("x", "y", "z")
 METRES = ("m", "m", "m")
+EPSILON = "epsilon"
+"""Name of the progress index in a recording; of one of several stops with the stop's name behind it."""
 
 
 @dataclass(frozen=True)
@@ -99,11 +101,10 @@ def plan_series(plan: Plan, scenario: Scenario, model: Model) -> Iterator[Series
     )
     yield Series("/plan/velocity", plan.time, plan.velocity_names, plan.velocity_units, plan.velocity)
     yield Series("/plan/inputs", plan.input_times, plan.input_names, plan.input_units, plan.inputs)
-    stops = scenario.itinerary.stops
-    names = [stop.named("epsilon") for stop in stops]
+    names = [EPSILON if plan.stop_names == ONLY else f"{EPSILON}_{name}" for name in plan.stop_names]
     yield Series("/plan/progress", plan.time, names, ["1"] * len(names), plan.claims)
     yield Series("/plan/end_effector", plan.time, XYZ, METRES, tool)
-    for stop in stops:
+    for stop in scenario.itinerary.stops:
         target, _ = sample(stop.target, plan.time)
         yield Series(f"/plan/{stop.named('target')}", plan.time, XYZ, METRES, target)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import singledispatch
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,12 +31,12 @@ from benchbench.arrays import Array
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
 from benchbench.storage.entry import Entry, nanoseconds
 from benchbench.storage.flight import vehicle_pose
 
 if TYPE_CHECKING:
     from benchbench.ocp.model import Model
-    from benchbench.ocp.scenario import Scenario
 
 WORLD = "world"
 BLUE, GREEN = Color(r=0.0, g=0.35, b=0.70, a=1.0), Color(r=0.0, g=0.55, b=0.35, a=1.0)
@@ -57,12 +58,17 @@ def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Ite
         poses = [_pose(p, q) for p, q in zip(position, quaternion, strict=True)]
         channel = PosesInFrameChannel(f"/path/{name}", context=context)
         yield Entry(0, channel, PosesInFrame(timestamp=_stamp(0), frame_id=WORLD, poses=poses))
-    gates = [_gates(scenario)] if isinstance(scenario, Race) else []
-    yield Entry(0, view, SceneUpdate(entities=[_path_lines(paths), *gates]))
+    yield Entry(0, view, SceneUpdate(entities=[_path_lines(paths), *furniture(scenario)]))
     for k, log_time in enumerate(log_times):
         yield Entry(log_time, frames, FrameTransforms(transforms=_transforms(paths, k, log_time)))
         body = _body(model.plant().skeleton(plan.configuration[k]), log_time)
         yield Entry(log_time, view, SceneUpdate(entities=[body, _points(paths, k, log_time)]))
+
+
+@singledispatch
+def furniture(scenario: Scenario) -> list[SceneEntity]:
+    """What stands in the room all the time, by kind of scenario; nothing, if it does not say."""
+    return []
 
 
 def _paths(plan: Plan, scenario: Scenario, model: Model) -> Paths:
@@ -113,7 +119,9 @@ def _points(paths: Paths, k: int, log_time: int) -> SceneEntity:
     )
 
 
-def _gates(race: Race) -> SceneEntity:
+@furniture.register
+def _(race: Race) -> list[SceneEntity]:
+    """Balls and rectangles."""
     clear = Color(r=0.50, g=0.50, b=0.0, a=0.4)
     balls = [
         SpherePrimitive(
@@ -129,7 +137,7 @@ def _gates(race: Race) -> SceneEntity:
         for gate in race.goals
         if gate.opening is not None
     ]
-    return SceneEntity(timestamp=_stamp(0), frame_id=WORLD, id="gates", spheres=balls, lines=frames)
+    return [SceneEntity(timestamp=_stamp(0), frame_id=WORLD, id="gates", spheres=balls, lines=frames)]
 
 
 def _line(points: Array, color: Color) -> LinePrimitive:

@@ -16,6 +16,7 @@ from benchbench.conformance.checks.require import require
 from benchbench.conformance.checks.states import at_rest
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.program import assemble
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import Plan
@@ -40,7 +41,7 @@ class Nowhere(Motion):
         return ca.SX.zeros(3)
 
 
-def scenario_of(model: Model, **changes: object) -> Scenario:
+def scenario_of(model: Model, **changes: object) -> Handover:
     """Start and end at rest in one configuration, nothing to touch."""
     pose = dict(zip(model.configuration.names, at_rest(model).tolist(), strict=True))
     fields: dict[str, object] = {
@@ -50,7 +51,7 @@ def scenario_of(model: Model, **changes: object) -> Scenario:
         "target": Nowhere(),
         "contacts": {},
     }
-    return Scenario(**(fields | changes))  # type: ignore[arg-type]
+    return Handover(**(fields | changes))  # type: ignore[arg-type]
 
 
 def one_phase(intervals: int, seconds: float) -> Grid:

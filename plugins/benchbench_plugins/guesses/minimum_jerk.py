@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import singledispatch
 from typing import final
 
 import numpy as np
@@ -11,9 +12,10 @@ from pydantic.dataclasses import dataclass
 from benchbench.arrays import Array
 from benchbench.errors import IncompatibleCase
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case, Guess
 from benchbench.planning.guess import hovering, over
 
@@ -33,12 +35,9 @@ class MinimumJerk(Guess):
     def plan(self, case: Case, ledger: Ledger) -> Plan:
         """Costs nothing; the time of contact is a fixed point of the distance to where the target is then.
 
-        Raises IncompatibleCase for a race.
+        Raises IncompatibleCase for another kind of scenario.
         """
-        if isinstance(case.scenario, Race):
-            raise IncompatibleCase(
-                "guess", "'minimum_jerk' flies handovers", "simple, line, point_mass, phases"
-            )
+        check_way(case.scenario)
         scenario, rest = case.scenario, np.zeros(len(case.model.configuration.names))
         most = np.full(len(rest), np.inf)
         own, rated = _rated(case)
@@ -46,7 +45,7 @@ class MinimumJerk(Guess):
         start, end = scenario.start_point(case.model), scenario.end_point(case.model)
         corners, speeds, times = [start], [rest], [0.0]
         for stop in scenario.itinerary.listed:
-            when = times[-1] + scenario.contact_guess * scenario.travel_time_guess
+            when = times[-1] + scenario.itinerary.middle * scenario.travel_time_guess
             for _ in range(20):
                 when = times[-1] + _duration(over(case, stop, when) - corners[-1], most)
             corners.append(over(case, stop, when))
@@ -56,9 +55,20 @@ class MinimumJerk(Guess):
         return _through(case, np.array(times), [*corners, end], [*speeds, rest])
 
 
+@singledispatch
+def check_way(scenario: Scenario) -> None:
+    """Raise IncompatibleCase unless the way of this kind of scenario leads over its stops to rest at its end."""
+    raise IncompatibleCase("guess", "'minimum_jerk' flies handovers", "simple, line, point_mass, phases")
+
+
+@check_way.register
+def _(scenario: Handover) -> None:
+    """It does."""
+
+
 def _through(case: Case, times: Array, corners: list[Array], speeds: list[Array]) -> Plan:
     """Fly through corners with given speeds at given times; the stops are claimed at the nearest nodes."""
-    n, itinerary = case.scenario.intervals, case.scenario.itinerary
+    n, itinerary = case.scenario.grid_intervals, case.scenario.itinerary
     time = np.linspace(0.0, times[-1], n + 1)
     leg = np.clip(np.searchsorted(times, time, side="right") - 1, 0, len(times) - 2)
     flown = [

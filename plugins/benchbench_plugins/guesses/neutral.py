@@ -25,7 +25,7 @@ class Neutral(Guess):
     def plan(self, case: Case, ledger: Ledger) -> Plan:
         """Costs nothing."""
         scenario, itinerary = case.scenario, case.scenario.itinerary
-        n = scenario.intervals
+        n = scenario.grid_intervals
         share = np.linspace(0.0, 1.0, n + 1)
         start, end = scenario.start_point(case.model), scenario.end_point(case.model)
         progress = np.zeros((n + 1, len(itinerary.stops)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import singledispatch
 from typing import final
 
 from pydantic.dataclasses import dataclass
@@ -12,6 +13,7 @@ from benchbench.certificate.race_bound import order_bound
 from benchbench.errors import BadInput
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
 from benchbench.planning import posing
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.result import Result
@@ -33,8 +35,8 @@ class Orders(Strategy):
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Bound, branch, solve."""
-        race, model = case.scenario, case.model
-        if not isinstance(race, Race) or race.order != "free":
+        race, model = open_race(case.scenario), case.model
+        if race is None:
             raise BadInput(
                 "strategy", "'orders' needs the gates of a race in free order", "scenario.order=free"
             )
@@ -48,16 +50,27 @@ class Orders(Strategy):
 
         best, account = best_first(
             [begun(())],
-            lambda order: self._fly(case, ledger, order),
+            lambda order: self._fly(case, ledger, race, order),
             lambda: not ledger.over,
             split,
         )
         return replace(best.result, account={"search": account.told("orders, whole or begun")})
 
-    def _fly(self, case: Case, ledger: Ledger, order: Order) -> Found[Result]:
-        ordered = replace(case, scenario=case.scenario.flown_in(order))  # type: ignore[attr-defined]
+    def _fly(self, case: Case, ledger: Ledger, race: Race, order: Order) -> Found[Result]:
+        ordered = replace(case, scenario=race.flown_in(order))
         start = posing.start(ordered, ledger)
         with ledger.building():
             problem = posing.phases(ordered, start)
         result = pose(problem, ordered, ledger, f"phases: {', '.join(map(str, order))}")
         return Found(result, result.objective)
+
+
+@singledispatch
+def open_race(scenario: Scenario) -> Race | None:
+    """Return the race whose gates may be passed in any order; None where the scenario leaves no order open."""
+    return None
+
+
+@open_race.register
+def _(scenario: Race) -> Race | None:
+    return scenario if scenario.order == "free" else None

@@ -10,7 +10,6 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.nlp.ledger import Ledger
-from benchbench.ocp.race import Race
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import Given
 from benchbench.planning.result import Result
@@ -45,15 +44,12 @@ class Refine(Strategy):
         Raises IncompatibleCase for a race, whose grid counts intervals per gate, and BadInput for contacts that do not
         fit into the coarsest grid.
         """
-        if isinstance(case.scenario, Race):
-            raise IncompatibleCase("strategy", "'refine' is for handovers", "phases, relax")
-        numbers(replace(case, scenario=case.scenario.model_copy(update={"intervals": self.coarsest})))
+        numbers(_on_grid(case, self.coarsest))
         told: list[str] = []
         found: list[tuple[Result, bool]] = []
         intervals = self.coarsest
         while not found or (intervals <= self.finest and not ledger.over):
-            scenario = case.scenario.model_copy(update={"intervals": intervals})
-            level = replace(case, scenario=scenario)
+            level = _on_grid(case, intervals)
             if found:
                 level = replace(level, guess=Given(found[-1][0].plan), seed=0)
             result = planned(self.of, level, ledger)
@@ -72,3 +68,10 @@ class Refine(Strategy):
             return False
         before, after = (result.plan.travel_time for result, _ in found[-2:])
         return abs(after - before) <= self.tolerance * after
+
+
+def _on_grid(case: Case, intervals: int) -> Case:
+    scenario = case.scenario.on_grid(intervals)
+    if scenario is None:
+        raise IncompatibleCase("strategy", "'refine' is for handovers", "phases, relax")
+    return replace(case, scenario=scenario)

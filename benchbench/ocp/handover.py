@@ -1,0 +1,141 @@
+"""The handover: touch a moving target on the way, or several of them (paper Sec. IV.B)."""
+
+from __future__ import annotations
+
+import re
+from typing import Annotated, Any, Self, final
+
+from pydantic import BaseModel, ConfigDict, Field, InstanceOf, model_validator
+
+from benchbench.arrays import Array
+from benchbench.errors import BadInput
+from benchbench.ocp.contact import Contact
+from benchbench.ocp.model import Model
+from benchbench.ocp.motion import Motion
+from benchbench.ocp.scenario import Ends, NonNegative, Positive, Scenario, Share, at_rest, point, straight
+from benchbench.ocp.stop import Itinerary, Order, Stop, Visit
+
+
+class StopFields(BaseModel):
+    """What a handover says about one of several stops; what it leaves out is as in the handover itself.
+
+    target           motion of the target
+    contacts         conditions that must hold together while in contact, by name
+    kappa_init       number of consecutive nodes in contact
+    contact_seconds  duration of the contact in s
+    reward           seconds of travel time that making the stop is worth; only with visit: optional
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
+
+    target: InstanceOf[Motion]
+    contacts: dict[str, InstanceOf[Contact]] | None = None
+    kappa_init: Annotated[int, Field(ge=1)] | None = None
+    contact_seconds: NonNegative | None = None
+    reward: Positive | None = None
+
+
+@final
+class Handover(Scenario):
+    """Fly from `start` to rest at `end` in least time and touch the moving target on the way, or several of them.
+
+    target           motion of the target, where there is one
+    stops            where there are several: stops by name, each with its target
+    order            fixed: stops are made as they are listed; free: in any order
+    visit            all: every stop is made; one: exactly one; optional: those with a reward may be left out
+    contacts         conditions that must hold together while in contact, by name
+    kappa_init       number of consecutive nodes in contact, at least 1 (paper Eq. 26)
+    contact_seconds  duration of the contact in s; null: (kappa_init - 1) average steps. Planned by the phase
+                     formulations, asked for by the certificate; progress variables only count nodes
+    contact_guess    where in the flight the contact is first guessed, as a fraction of the travel time;
+                     several stops are spread evenly before and after this middle
+    intervals        N, number of intervals of the time grid
+    contact_margin   share of the limits of contacts that the planner leaves unused, by contact name
+    """
+
+    target: InstanceOf[Motion] | None = None
+    stops: dict[str, StopFields] = Field(default_factory=dict)
+    order: Order = "fixed"
+    visit: Visit = "all"
+    contacts: dict[str, InstanceOf[Contact]]
+    kappa_init: Annotated[int, Field(ge=1)] = 2
+    contact_seconds: NonNegative | None = None
+    contact_guess: Annotated[float, Field(gt=0, lt=1)] = 0.42
+    intervals: Annotated[int, Field(ge=4)] = 100
+    contact_margin: dict[str, Share] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _drop_disabled_contacts(cls, data: dict[str, Any]) -> dict[str, Any]:
+        kept = {k: v for k, v in (data.get("contacts") or {}).items() if v is not None}
+        return {**data, "contacts": kept}
+
+    @model_validator(mode="after")
+    def _one_target_or_stops(self) -> Self:
+        check_stops(self)
+        return self
+
+    @property
+    def grid_intervals(self) -> int:
+        """N."""
+        return self.intervals
+
+    def on_grid(self, intervals: int) -> Self:
+        """Return the same with so many intervals."""
+        return self.model_copy(update={"intervals": intervals})
+
+    @property
+    def itinerary(self) -> Itinerary:
+        """All stops; a handover with one `target` has one stop of that name."""
+        if self.target is not None:
+            only = Stop("target", self.target, self.contacts, self.kappa_init, self.contact_seconds)
+            return Itinerary((only,), middle=self.contact_guess, margins=self.contact_margin)
+        stops = (
+            Stop(
+                name, given.target, self.contacts if given.contacts is None else given.contacts,
+                given.kappa_init or self.kappa_init,
+                self.contact_seconds if given.contact_seconds is None else given.contact_seconds,
+                given.reward, f"{name}_",
+            )
+            for name, given in self.stops.items()
+        )  # fmt: skip
+        return Itinerary(tuple(stops), self.order, self.visit, self.contact_guess, self.contact_margin)
+
+    def start_point(self, model: Model) -> Array:
+        """Return the start configuration (n_q,)."""
+        return point(self.start, model, "scenario.start")
+
+    def end_point(self, model: Model) -> Array:
+        """Return the end configuration (n_q,)."""
+        return point(self.end, model, "scenario.end")
+
+    def ends(self, model: Model) -> Ends:
+        """Bounds of the last node: the end point, at rest."""
+        return at_rest(self.end_point(model), self.limits(model), model)
+
+    def flown(self, model: Model, nodes: int) -> Array:
+        """Metres along the straight line from start to end, (nodes,)."""
+        return straight(self.start_point(model), self.end_point(model), model, nodes)
+
+
+def check_stops(scenario: Handover) -> None:
+    """Raise BadInput where targets, stops, order and visit do not fit together."""
+    stops = scenario.stops
+    if scenario.target is not None and stops:
+        allowed = "no target; each of scenario.stops has its own"
+        raise BadInput("scenario.target", "is given beside scenario.stops", allowed)
+    if scenario.target is None and not stops:
+        raise BadInput("scenario.target", "is missing")
+    if scenario.visit == "one" and len(stops) < 2:
+        raise BadInput("scenario.visit", "one of several is asked for, but there is one stop", "all")
+    for name, stop in stops.items():
+        if not re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name):
+            raise BadInput(f"scenario.stops.{name}", "is no name", "letters, digits and single _ in between")
+        if stop.reward is not None and scenario.visit != "optional":
+            allowed = "no reward, or scenario.visit=optional"
+            raise BadInput(
+                f"scenario.stops.{name}.reward", f"means nothing with visit={scenario.visit}", allowed
+            )
+    if scenario.visit == "optional" and all(stop.reward is None for stop in stops.values()):
+        allowed = "scenario.stops.NAME.reward, in s, for each stop that may be left out"
+        raise BadInput("scenario.visit", "no stop has a reward, so none may be left out", allowed)

@@ -1,0 +1,41 @@
+"""Which kind of scenario a configuration means: a handover, a race, or one that an installed package brings.
+
+A kind comes from a folder of its own and one entry point in the group `benchbench.scenarios`. What it is posed as, bounded
+by, checked for and drawn as, each room asks by a function that dispatches on the kind; the folder registers its answers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from benchbench import registry
+from benchbench.errors import BadInput
+from benchbench.ocp.handover import Handover
+from benchbench.ocp.race import Race
+from benchbench.ocp.scenario import Scenario
+
+FIELD = "kind"
+"""Field of a configuration that names its kind, where no field of its own does."""
+OWN: Mapping[str, type[Scenario]] = {"handover": Handover, "race": Race}
+"""The kinds of the core; a configuration that says nothing means the first."""
+
+
+def kinds() -> dict[str, type[Scenario]]:
+    """Return all kinds by name: the core's own, then those of installed packages; what cannot be loaded is left out."""
+    found = {plugin.name: plugin.kind for plugin in registry.installed("scenarios")}
+    return {**OWN, **{n: k for n, k in found.items() if n not in OWN and k and issubclass(k, Scenario)}}
+
+
+def kind_of(values: Mapping[str, Any]) -> type[Scenario]:
+    """Return the kind of a configuration: the one it names, else the one whose mark it has, else a handover.
+
+    Raises BadInput for a name that is not installed.
+    """
+    known = kinds()
+    if (name := values.get(FIELD)) is not None:
+        if name not in known:
+            raise BadInput(f"scenario.{FIELD}", f"'{name}' is not installed", ", ".join(sorted(known)))
+        return known[name]
+    marked = (kind for kind in known.values() if any(field in values for field in kind.mark))
+    return next(marked, Handover)
