@@ -97,11 +97,16 @@ def _audit(plan: Plan, flight: Replay, stop: Stop, plant: Plant, limits: Limits)
 
 
 def claimed(plan: Plan, itinerary: Itinerary, plant: Plant, limits: Limits) -> Plan:
-    """Return a plan that claims no contact with a claim, at each stop, to the longest run of nodes that hold everything."""
-    if plan.progress.any() or not any(True for stop in itinerary.stops for _ in event_contacts(stop)):
+    """Return a plan that says nothing of contact with a claim, at each stop, to the longest run of nodes that hold everything.
+
+    A plan that says that there is none is left as it is.
+    """
+    if not np.isnan(plan.progress).all():
         return plan
     claims = np.zeros((len(plan.time), len(itinerary.stops)))
     for column, stop in zip(claims.T, itinerary.stops, strict=True):
+        if not any(True for _ in event_contacts(stop)):
+            continue
         gaps = _gaps(stop, plant, plan.time, plan.configuration, plan.velocity)
         holds = np.ones(len(plan.time), bool)
         for name, contact in event_contacts(stop):

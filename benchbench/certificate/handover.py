@@ -11,7 +11,12 @@ from benchbench.certificate.audit import Audit, ContactEvidence, audit
 from benchbench.certificate.certificate import Measures
 from benchbench.certificate.check import worst
 from benchbench.certificate.checks.contacts import contact_flown, contact_planned
-from benchbench.certificate.checks.intervals import defect_angle, defect_position
+from benchbench.certificate.checks.intervals import (
+    defect_angle,
+    defect_position,
+    defect_rate,
+    defect_velocity,
+)
 from benchbench.certificate.checks.nodes import planned_end, planned_limits, planned_start
 from benchbench.certificate.checks.replay import replay_angle, replay_end, replay_position, replay_rate
 from benchbench.certificate.checks.stops import stop_choice, stop_order
@@ -26,7 +31,8 @@ from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
 
 PLANNED = (
-    planned_start, planned_end, planned_limits, defect_position, defect_angle, contact_planned, stop_choice, stop_order,
+    planned_start, planned_end, planned_limits, defect_position, defect_angle, defect_velocity, defect_rate,
+    contact_planned, stop_choice, stop_order,
 )  # fmt: skip
 FLOWN = (replay_position, replay_angle, replay_rate, replay_end, contact_flown)
 

@@ -39,6 +39,8 @@ class Limits(ProblemLimits):
     contact_allowance    by contact name: how far the replay may exceed the contact's limit, its unit
     defect_position      an interval's replay may miss the next planned position by, m
     defect_angle         and the next planned angle by, rad
+    defect_velocity      and the next planned velocity by, m/s
+    defect_rate          and each of the next planned rates by, rad/s
     overshoot_position   the replay may leave the limits of a position by, m
     overshoot_angle      and of an angle by, rad
     rate_ratio           largest |velocity| over its limit on the replay, 1
@@ -59,6 +61,8 @@ class Limits(ProblemLimits):
     contact_allowance: dict[str, NonNegative] = Field(default_factory=dict)
     defect_position: Positive
     defect_angle: Positive
+    defect_velocity: Positive = 0.01
+    defect_rate: Positive = 0.05
     overshoot_position: NonNegative
     overshoot_angle: NonNegative
     rate_ratio: Positive

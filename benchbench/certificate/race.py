@@ -9,7 +9,12 @@ import numpy as np
 from benchbench.arrays import Index
 from benchbench.certificate.certificate import Measures
 from benchbench.certificate.checks.gates import gates, race_end, segments
-from benchbench.certificate.checks.intervals import defect_angle, defect_position
+from benchbench.certificate.checks.intervals import (
+    defect_angle,
+    defect_position,
+    defect_rate,
+    defect_velocity,
+)
 from benchbench.certificate.checks.nodes import planned_limits, planned_quaternion, planned_start
 from benchbench.certificate.checks.replay import replay_position, replay_rate
 from benchbench.certificate.difference import distance
@@ -23,7 +28,15 @@ from benchbench.ocp.gates import passes
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 
-PLANNED = (planned_start, planned_quaternion, planned_limits, defect_position, defect_angle)
+PLANNED = (
+    planned_start,
+    planned_quaternion,
+    planned_limits,
+    defect_position,
+    defect_angle,
+    defect_velocity,
+    defect_rate,
+)
 FLOWN = (gates, segments, replay_position, replay_rate, race_end)
 
 

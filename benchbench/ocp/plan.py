@@ -34,7 +34,8 @@ class Plan:
                    (N d, n_u) when it is "bezier": d control points per interval, a polynomial of degree
                    d - 1 in each, which stays within the bounds of its control points
     progress       (N+1,), or (N+1, stops) where there are several: progress index epsilon_k in [0, 1] at each
-                   node (last entry 0 for DMCC plans); epsilon_k > 0 claims that node k is in contact
+                   node (last entry 0 for DMCC plans); epsilon_k > 0 claims that node k is in contact; NaN
+                   throughout: the plan says nothing of contact
     stop_names     names of the stops, in the order of the columns of `progress`
     """
 

@@ -96,9 +96,9 @@ def plan_of(flight: Flight, model: Model, interpolation: Interpolation) -> Plan:
         allowed = "the vehicle of the flight, or a flight with the columns of docs/foreign_plans.md"
         raise BadInput("vehicle", problem, allowed)
     inputs = _columns(u, i.names)
-    progress = np.zeros(len(flight.time)) if flight.progress is None else flight.progress
+    progress = np.full(len(flight.time), np.nan) if flight.progress is None else flight.progress
     return Plan.of(
-        model, time=flight.time - flight.time[0], configuration=_columns(q, c.names),
+        model, time=flight.time, configuration=_columns(q, c.names),
         velocity=_columns(v, w.names), inputs=inputs[:-1] if interpolation == "hold" else inputs,
         progress=progress, interpolation=interpolation,
     )  # fmt: skip

@@ -16,6 +16,7 @@ import numpy as np
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.storage.flight import Flight, continuous
+from benchbench.storage.lines import check_start, read_lines
 
 QUATERNION_ERROR = 1e-3
 """How far from 1 the length of a quaternion in a file may be, which writes perhaps four digits."""
@@ -70,6 +71,7 @@ def read_csv(path: Path) -> Flight:
     if not np.all(np.diff(parts["time"]) > 0):
         row = int(np.argmin(np.diff(parts["time"]))) + 3
         raise BadInput(f"{path}, line {row}: t", "is not later than the line before", "increasing times")
+    check_start(float(parts["time"][0]), f"{path}, line 2: t")
     length = np.linalg.norm(parts["quaternion"], axis=1)
     if np.max(np.abs(length - 1.0)) > QUATERNION_ERROR:
         row = int(np.argmax(np.abs(length - 1.0))) + 2
@@ -81,12 +83,8 @@ def read_csv(path: Path) -> Flight:
 def _read(path: Path) -> dict[str, Array]:
     """All columns of numbers that are known here, by name."""
     known = {name for group in GROUPS for name in group.names}
-    try:
-        with path.open(newline="") as file:
-            lines = [line for line in csv.reader(file, skipinitialspace=True) if line]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise BadInput(str(path), f"cannot be read: {error}", "a CSV file with a header") from None
-    header = [name.strip() for name in lines[0]] if lines else []
+    lines = read_lines(path)
+    header = lines[0]
     if len(lines) < 3:
         raise BadInput(
             str(path), f"has {max(len(lines) - 1, 0)} rows of numbers", "a header and at least 2 rows"
@@ -99,9 +97,9 @@ def _read(path: Path) -> dict[str, Array]:
 
 
 def _number(path: Path, line: int, name: str, row: list[str], place: int) -> float:
-    text = row[place] if place < len(row) else ""
+    text = row[place]
     try:
-        value = float(text)
+        value = float("" if "_" in text else text)
     except ValueError:
         value = np.nan
     if not np.isfinite(value):

@@ -12,14 +12,15 @@ from benchbench.errors import BadInput
 from benchbench.ocp.columns import TIME, input_columns, progress_columns, stops_of, velocity_columns
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Interpolation, Plan
+from benchbench.storage.lines import check_once, check_start
 
 
 def plan_of_frame(frame: pd.DataFrame, model: Model, where: str = "frame") -> Plan:
     """Return the plan of a model that a frame with the columns of `Plan.to_frame`, in any order, says.
 
-    Time may start anywhere. Where no column of progress is there, no contact is claimed. Further columns are ignored.
-    where: what messages call the frame. Raises BadInput for a column that is missing, for what is no finite number,
-    and for time that does not increase.
+    Where no column of progress is there, the plan says nothing of contact. Further columns are ignored. where: what messages
+    call the frame. Raises BadInput for a column that is missing or there twice, for what is no finite number, and for time
+    that does not start at 0 and increase.
     """
     q, v, u = model.configuration, model.velocity, model.inputs
     moving = velocity_columns(q.names, v.names)
@@ -31,11 +32,12 @@ def plan_of_frame(frame: pd.DataFrame, model: Model, where: str = "frame") -> Pl
             f"{where}, row {row}: {TIME}", "is not later than the row before", "2 rows or more, in order"
         )
     inputs, interpolation = _inputs(frame, u.names, where)
+    check_start(time[0], f"{where}, row {frame.index[0]}: {TIME}")
     stops = stops_of([str(name) for name in frame.columns]) or ["target"]
     claims = [name for name in progress_columns(stops) if name in frame.columns]
-    progress = _values(frame, claims, where) if claims else np.zeros((len(time), 1))
+    progress = _values(frame, claims, where) if claims else np.full((len(time), 1), np.nan)
     return Plan.of(
-        model, time=time - time[0], configuration=_values(frame, q.names, where),
+        model, time=time, configuration=_values(frame, q.names, where),
         velocity=_values(frame, moving, where), inputs=inputs,
         progress=progress[:, 0] if len(stops) == 1 else progress, interpolation=interpolation,
         stop_names=tuple(stops),
@@ -59,9 +61,7 @@ def _complete(frame: pd.DataFrame, names: Sequence[str], where: str) -> None:
     missing = [name for name in names if name not in frame.columns]
     if missing:
         raise BadInput(where, f"has no column {', '.join(missing)}", ", ".join(names))
-    twice = [name for name in names if isinstance(frame[name], pd.DataFrame)]
-    if twice:
-        raise BadInput(where, f"has two columns {twice[0]}", "each name once")
+    check_once(list(map(str, frame.columns)), where)
 
 
 def _values(frame: pd.DataFrame, names: Sequence[str], where: str) -> Array:

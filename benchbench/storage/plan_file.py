@@ -11,6 +11,7 @@ from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.storage.flight import plan_of
 from benchbench.storage.flight_csv import read_csv
+from benchbench.storage.lines import read_lines
 from benchbench.storage.playback import read_mcap
 
 
@@ -29,10 +30,8 @@ def read_plan(path: Path, model: Model, interpolation: Interpolation = "hold") -
 
         from benchbench.storage.frame import plan_of_frame
 
-        try:
-            frame = pd.read_csv(path, skipinitialspace=True)
-        except (OSError, ValueError) as error:
-            raise BadInput(str(path), f"cannot be read: {error}", "a CSV file with a header") from None
+        header, *rows = read_lines(path)
+        frame = pd.DataFrame(rows, columns=header).replace(r"^\s*$", float("nan"), regex=True)
         return plan_of_frame(frame, model, str(path))
     return plan_of(read_csv(path), model, interpolation)
 
@@ -59,7 +58,7 @@ def _recorded(path: Path, model: Model) -> Plan:
 def _is_frame(path: Path) -> bool:
     """Whether the header of a CSV file names the time as frames do; what cannot be read is none."""
     try:
-        with path.open(newline="") as file:
+        with path.open(newline="", encoding="utf-8-sig") as file:
             header = next(csv.reader(file), [])
     except (OSError, UnicodeDecodeError, csv.Error):
         return False
