@@ -31,11 +31,13 @@ class Residuals:
     bounds       worst violation of a bound of the unknowns
     constraints  worst violation of each constraint block, by name
     pairs        of each pair block, by name
+    cost         value of the cost, which is no violation, but has to be a number
     """
 
     bounds: float
     constraints: dict[str, float]
     pairs: dict[str, PairResidual]
+    cost: float = 0.0
 
     @property
     def max_violation(self) -> float:
@@ -84,7 +86,8 @@ def _residuals(mpcc: Mpcc, x: Array) -> Residuals:
             _worst([new.natural, old.natural]),
             _worst([new.product, old.product]),
         )
-    return Residuals(bounds, constraints, pairs)
+    cost = float(sum(np.sum(_values(block, mpcc, x)) for block in mpcc.costs))
+    return Residuals(bounds, constraints, pairs, cost)
 
 
 def _pair(pair: Pair, mpcc: Mpcc, x: Array) -> PairResidual:

@@ -81,7 +81,7 @@ def assemble(mpcc: Mpcc, compile: Compile = "auto", adjustable: Collection[str] 
         _Part(block, d, gather(block, mpcc.offsets), first, x, own, sigma)
         for block, d, first, own in zip(blocks, local, firsts, numbers, strict=False)
     ]
-    f = sum((ca.sum1(part.values()) for part in parts[:costs]), ca.MX(0))
+    f = ca.densify(sum((ca.sum1(part.values()) for part in parts[:costs]), ca.MX(0)))
     g = ca.vertcat(ca.MX(0, 1), *(part.values() for part in parts[costs:]))
     n, m = mpcc.size, sum(sizes)
     gradient = ca.densify(_scatter([part.jacobian(0) for part in parts[:costs]], (1, n)).T)

@@ -78,6 +78,8 @@ def show_line(number: int, record: Mapping[str, Any], combination: str) -> None:
     """Print one run of a sweep on one line, cut to the width of a terminal."""
     console = Console(highlight=False)
     verdict = "certified" if record["certified"] else f"NOT: {record['status']}"
+    if record["certified"] and record["b_stationary"] == "no":
+        verdict = "not stationary"
     timed = flies(record) or record["objective"] is None
     found = _number(record["travel_time_s"], ".4f", "s") if timed else f"f = {record['objective']:.6g}"
     line = Text(f"{number:>4}  ") + Text(f"{verdict:<20}", "green" if record["certified"] else "red")
@@ -204,7 +206,7 @@ def _worst(r: Mapping[str, Any]) -> str:
 
 def _verdict(r: Mapping[str, Any]) -> Text:
     if r["certified"]:
-        return Text("certified", style="bold green")
+        return Text("certified", style="bold green") + _meaning(r)
     claim = "the solver claims success" if r["claimed_success"] else f"the solver ended with {r['status']}"
     text = Text(f"NOT certified ({claim})", style="bold red")
     for reason in r["reasons"][:REASONS]:
@@ -214,6 +216,18 @@ def _verdict(r: Mapping[str, Any]) -> Text:
     helps = r["advice"] if r["claimed_success"] else Status[r["status"].upper()].remedy
     if helps:
         text.append(f"\nadvice: {helps}", style="not bold")
+    return text
+
+
+def _meaning(r: Mapping[str, Any]) -> Text:
+    """What "certified" says of an MPCC that is no flight: feasible and complementary, which is not yet optimal."""
+    if flies(r):
+        return Text("")
+    text = Text(": feasible and complementary", style="not bold")
+    if r["b_stationary"] == "no":
+        return text.append(", but NOT stationary: the cost falls from here", style="bold red")
+    if r["b_stationary"] != "yes":
+        text.append("; whether it is stationary is not known")
     return text
 
 

@@ -64,7 +64,7 @@ COLUMNS: tuple[Column, ...] = (
     # how it ended
     Column("status", "str", "", "typed outcome: " + ", ".join(Status)),
     Column("claimed_success", "bool", "", "the solver says it succeeded"),
-    Column("certified", "bool", "", "the certificate accepts the plan"),
+    Column("certified", "bool", "", "the certificate accepts the plan; of an MPCC that is no flight: feasible and complementary, which says nothing of stationary or bounded, see b_stationary"),
     Column("reasons", "strings", "", "why the plan is not certified, or why there is none; empty if certified"),
     Column("advice", "str", "", "what to change so that a rejected plan may be certified; empty if certified"),
     # what was found

@@ -116,7 +116,7 @@ def _runner(
         if watch:  # named here, because CasADi holds no reference to its callback
             watch.begin()
         with quiet(setup.progress is None):
-            outcome = _run(solver, bounded, backend.claims, watch, p, start)
+            outcome = _run(solver, bounded, backend.claims, watch, p, start, setup.iterations)
         ran_out = outcome.claim == "failed" and outcome.iterations >= setup.iterations
         return replace(outcome, claim="iteration_limit") if ran_out else outcome
 
@@ -148,7 +148,8 @@ def _tiny() -> dict[str, ca.MX]:
 
 
 def _run(
-    solver: ca.Function, program: Program, claims: Mapping[str, Claim], watch: Watch | None, p: Array, start: Point
+    solver: ca.Function, program: Program, claims: Mapping[str, Claim], watch: Watch | None, p: Array, start: Point,
+    most: int,
 ) -> Outcome:  # fmt: skip
     arguments: dict[str, Any] = {
         "x0": start.x, "p": p,
@@ -170,7 +171,7 @@ def _run(
         claim="time_limit" if late and not stats["success"] else said,
         point=_point(*(np.asarray(result[k]).ravel() for k in ("x", "lam_g", "lam_x"))),
         objective=float(result["f"]),
-        iterations=_iterations(stats) if calls else 0,  # garbage if refused before the start
+        iterations=_iterations(stats, most) if calls else 0,
         evaluations=calls,
         cpu_s=spent,
         detail=str(stats.get("return_status", stats["unified_return_status"])),
@@ -183,10 +184,15 @@ def _point(x: Array, lam_g: Array, lam_x: Array) -> Point:
     return Point(x, lam_g, lam_x) if np.all(np.isfinite(np.append(lam_g, lam_x))) else Point(x)
 
 
-def _iterations(stats: Mapping[str, Any]) -> int:
-    """Iterations; calls of the gradient where the library does not say (BONMIN, alpaqa)."""
+def _iterations(stats: Mapping[str, Any], most: int) -> int:
+    """Iterations; calls of the gradient where the library does not say (BONMIN, alpaqa).
+
+    A library that refuses a problem before it starts leaves in its count whatever stood there before: a number that no
+    run of at most `most` iterations can have is none.
+    """
     gradients = max(int(stats.get(f"n_call_nlp_{name}", 0)) for name in ("grad_f", "grad_psi"))
-    return int(stats.get("iter_count", 0)) or gradients
+    told = int(stats.get("iter_count", 0))
+    return (told if 0 <= told <= most + 1 else 0) or gradients
 
 
 def function_times(stats: Mapping[str, Any]) -> dict[str, float]:
