@@ -50,8 +50,8 @@ class Contact(ABC):
     """What follows a gap in a summary: "apart" in "19 mm apart"."""
     limit: float
     """Largest physical gap allowed in contact, in `unit`."""
-    unit: str
-    always: bool = False
+    unit: ClassVar[str]
+    always: ClassVar[bool] = False
     """A path condition, kept at every node and not only in contact."""
 
     @property

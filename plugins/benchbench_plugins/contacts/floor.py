@@ -22,8 +22,8 @@ class Floor(Contact):
     noun: ClassVar[str] = "depth below the floor"
     aside: ClassVar[str] = "below the floor"
     limit: float = Field(0.01, gt=0)
-    unit: str = "m"
-    always: bool = True
+    unit: ClassVar[str] = "m"
+    always: ClassVar[bool] = True
 
     @property
     def reach(self) -> None:

@@ -32,7 +32,7 @@ class Heading(Contact):
     noun: ClassVar[str] = "heading error"
     aside: ClassVar[str] = "off heading"
     limit: float = Field(0.1, gt=0, lt=np.pi / 2)
-    unit: str = "rad"
+    unit: ClassVar[str] = "rad"
     form: Literal["angle", "cross"] = "angle"
 
     @property

@@ -23,7 +23,7 @@ class Position(Contact):
     noun: ClassVar[str] = "distance"
     aside: ClassVar[str] = "apart"
     limit: float = Field(0.02, gt=0)
-    unit: str = "m"
+    unit: ClassVar[str] = "m"
 
     @property
     def reach(self) -> float:

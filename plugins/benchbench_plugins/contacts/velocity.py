@@ -23,7 +23,7 @@ class Velocity(Contact):
     noun: ClassVar[str] = "relative speed"
     aside: ClassVar[str] = "relative"
     limit: float = Field(0.01, gt=0)
-    unit: str = "m/s"
+    unit: ClassVar[str] = "m/s"
 
     @property
     def reach(self) -> None:
