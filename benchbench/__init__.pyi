@@ -9,7 +9,7 @@ from .mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, block, ev
 from .mpcc.ready import ReadyMade, whole
 from .nlp.ledger import Ledger
 from .nlp.method import Method
-from .nlp.relaxation import Relaxation, Relaxed, Schedule, Shared, Unknown
+from .nlp.relaxation import Gap, Relaxation, Relaxed, Schedule, Shared, Unknown
 from .nlp.solver import (
     TOLERANCE,
     Accuracy,
@@ -55,12 +55,12 @@ __version__: str
 
 __all__ = [
     "TOLERANCE", "Accuracy", "Array", "BadInput", "BenchBenchError", "Block", "Case", "Certificate", "Check",
-    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "Evidence", "ExplicitModel", "Grid", "Guess", "Handover",
-    "IncompatibleCase", "LagrangianModel", "Ledger", "ManifoldModel", "Method", "Model", "Motion", "Mpcc",
-    "MpccStrategy", "NoPlan", "Node", "Outcome", "OutputModel", "Pair", "PairKind", "Parametric", "Peer", "Phase",
-    "Plan", "Plant", "Point", "Prepared", "Progress", "Race", "RacingModel", "RampModel", "ReadyCase", "ReadyMade",
-    "Relaxation", "Relaxed", "Result", "RunView", "Scenario", "Schedule", "Setup", "Shared", "Slot", "Solution",
-    "Solver", "Space", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown", "Variable", "acceleration",
-    "at_least", "at_most", "block", "certify", "evaluate", "load", "plan", "rows", "runs", "space", "whole",
-    "worst",
+    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "Evidence", "ExplicitModel", "Gap", "Grid",
+    "Guess", "Handover", "IncompatibleCase", "LagrangianModel", "Ledger", "ManifoldModel", "Method", "Model",
+    "Motion", "Mpcc", "MpccStrategy", "NoPlan", "Node", "Outcome", "OutputModel", "Pair", "PairKind", "Parametric",
+    "Peer", "Phase", "Plan", "Plant", "Point", "Prepared", "Progress", "Race", "RacingModel", "RampModel",
+    "ReadyCase", "ReadyMade", "Relaxation", "Relaxed", "Result", "RunView", "Scenario", "Schedule", "Setup",
+    "Shared", "Slot", "Solution", "Solver", "Space", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown",
+    "Variable", "acceleration", "at_least", "at_most", "block", "certify", "evaluate", "load", "plan", "rows",
+    "runs", "space", "whole", "worst",
 ]  # fmt: skip

@@ -19,7 +19,7 @@ from benchbench.conformance.checks import contacts, dynamics, models, orders, re
 from benchbench.conformance.checks.programs import known
 from benchbench.conformance.checks.smooth_programs import hs071, quadratic
 from benchbench.mpcc.problem import Mpcc, PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Unknown
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Unknown
 from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
 from benchbench.ocp.contact import Condition, Target
 from benchbench.ocp.model import LagrangianModel, Model, Plant
@@ -283,9 +283,7 @@ class Product(Relaxation):
     schedule: tuple[float, ...] = (1e-1, 1e-2, 1e-4, 1e-7)
     kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         if self.kinked:
             return Relaxed(g + h - ca.sqrt(g**2 + h**2), (-np.inf,), (0.0,))
         row = (g - self.shift) * (h - self.shift) - sigma - self.excess

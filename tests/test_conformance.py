@@ -83,7 +83,7 @@ class Theirs(Relaxation):
     schedule = (1e-1, 1e-3, 1e-5, 1e-7)
     def __init__(self, scale, offset):
         self.scale, self.offset = scale, offset
-    def relax(self, g, h, sigma, kind, name, limit):
+    def relax(self, g, h, sigma, kind, gap):
         return Relaxed(g * h - self.scale * sigma - self.offset, (-np.inf,), (0.0,))
 
 class Bare(Theirs):

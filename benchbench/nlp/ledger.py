@@ -13,29 +13,27 @@ from benchbench.nlp.solver import Outcome, Progress
 
 SHORTEST = 0.1
 """Wall seconds that any solve is granted."""
-GUESS = "guess"
-"""How the names of stages begin that only make an initial guess."""
 
 
 @dataclass(frozen=True)
 class Spent:
-    """CPU seconds of one solve; `functions` is None where the backend does not tell function evaluations apart."""
+    """CPU seconds of one solve; `functions` is None where the backend does not tell function evaluations apart.
+
+    guess: it only made an initial guess.
+    """
 
     stage: str
     total: float
     functions: float | None
-
-    @property
-    def guessing(self) -> bool:
-        """The solve only made an initial guess."""
-        return self.stage.startswith(GUESS)
+    guess: bool = False
 
 
 @dataclass(frozen=True)
 class Step:
     """What is known after one solve; `solve_cpu_s` and `iterations` are sums over the run so far.
 
-    travel_time_s is that of the point where the solver stopped, None unless it claims success.
+    travel_time_s is that of the point where the solver stopped, None unless it claims success. guess: the solve only
+    made an initial guess.
     """
 
     stage: str
@@ -43,6 +41,7 @@ class Step:
     travel_time_s: float | None
     solve_cpu_s: float
     iterations: int
+    guess: bool = False
 
 
 @dataclass
@@ -62,6 +61,8 @@ class Ledger:
     """The run was solved before; only its times count."""
     relaxed: bool = False
     """Complementarity pairs were met, so the relaxation played a part."""
+    guesses: bool = False
+    """What is solved now only makes an initial guess."""
     began: float = field(default_factory=time.perf_counter)
 
     @contextmanager
@@ -80,17 +81,27 @@ class Ledger:
         yield
         self.judging_cpu += cpu_s() - before
 
+    @contextmanager
+    def guessing(self) -> Iterator[None]:
+        """Count the solves of the body as those of an initial guess."""
+        before, self.guesses = self.guesses, True
+        try:
+            yield
+        finally:
+            self.guesses = before
+
     def count(self, outcome: Outcome, stage: str = "") -> None:
-        """Add a solve; a stage whose name begins with "guess" only makes an initial guess."""
+        """Add a solve."""
         functions = sum(outcome.times.values()) if outcome.times else None
-        self.solves.append(Spent(stage, outcome.cpu_s, functions))
+        self.solves.append(Spent(stage, outcome.cpu_s, functions, self.guesses))
         self.iterations += outcome.iterations
         self.evaluations += outcome.evaluations
 
     def step(self, stage: str, sigma: float, travel_time: float | None) -> None:
         """Tell the watch that a solve has ended; it may raise Pruned."""
         if self.watch and not self.repeated:
-            self.watch.step(Step(stage, sigma, travel_time, self.solve_cpu, self.iterations))
+            step = Step(stage, sigma, travel_time, self.solve_cpu, self.iterations, self.guesses)
+            self.watch.step(step)
 
     @property
     def solve_cpu(self) -> float:
@@ -101,7 +112,7 @@ class Ledger:
         """Return the columns of the record that say where the CPU time went."""
         told = [one.functions for one in self.solves if one.functions is not None]
         functions = sum(told) if self.solves and len(told) == len(self.solves) else None
-        guess = sum(one.total for one in self.solves if one.guessing)
+        guess = sum(one.total for one in self.solves if one.guess)
         return {
             "build_cpu_s": self.build_cpu,
             "derivatives_cpu_s": self.derivatives_cpu,
@@ -109,7 +120,7 @@ class Ledger:
             "functions_cpu_s": functions,
             "linear_algebra_cpu_s": None if functions is None else max(self.solve_cpu - functions, 0.0),
             "guess_cpu_s": guess,
-            "homotopy_cpu_s": sum(one.total for one in self.solves[:-1] if not one.guessing),
+            "homotopy_cpu_s": sum(one.total for one in self.solves[:-1] if not one.guess),
         }
 
     @property

@@ -48,6 +48,14 @@ class Shared:
 
 
 @dataclass(frozen=True)
+class Gap:
+    """The physical gap behind H = (gap / limit)^2 - 1: its largest value in contact, in `unit`."""
+
+    limit: float
+    unit: str
+
+
+@dataclass(frozen=True)
 class Relaxed:
     """What became of one scalar pair: rows with bounds, a cost term, new unknowns.
 
@@ -83,10 +91,8 @@ class Relaxation(ABC):
     """Products G H end near sigma to this power; 0: there is no sigma to drive."""
 
     @abstractmethod
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
-        """Return rows for the scalar pair (g, h); `name` and `limit` are those of the pair (see `Pair`)."""
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
+        """Return rows for the scalar pair (g, h) of a kind; `gap`: the physical one, where h is made of one."""
 
 
 @dataclass(frozen=True)
@@ -189,8 +195,9 @@ class _PairBlock:
         first = ca.Function("first", [ca.vertcat(self.g, self.h)], [ca.vertcat(*(u.guess for u in unknowns))])
         low, high = (self._every([getattr(u, k) for u in unknowns]) for k in ("lower", "upper"))
         guess = np.clip(np.asarray(first.map(len(start))(start.T)).T, low, high)
-        fixed = name.endswith("_held")
-        return Variable(name, guess if fixed else low, guess if fixed else high, guess)
+        if any(u.update is not None for u in unknowns):  # held at the guess
+            return Variable(name, guess, guess, guess)
+        return Variable(name, low, high, guess)
 
     def _block(self, name: str, what: str, expression: ca.SX) -> Block:
         """Bring an expression of g, h and the new unknowns to the instances of the pair block."""
@@ -226,8 +233,8 @@ def _stacked(pairs: Sequence[tuple[ca.SX, ca.SX]]) -> ca.SX:
 def _relax_all(pair: Pair, relaxation: Relaxation, sigma: ca.SX) -> tuple[ca.SX, ca.SX, tuple[Relaxed, ...]]:
     count = pair.block.function.size1_out(0) // 2
     g, h = ca.SX.sym("g", count), ca.SX.sym("h", count)
-    limits = pair.limit or (None,) * count
-    return g, h, tuple(_relax_scalar(pair, relaxation, g[i], h[i], sigma, limits[i]) for i in range(count))
+    gaps = [Gap(limit, pair.block.unit) for limit in pair.limit] if pair.limit else [None] * count
+    return g, h, tuple(_relax_scalar(pair, relaxation, g[i], h[i], sigma, gaps[i]) for i in range(count))
 
 
 def _shared(unknown: Shared, sigma: ca.SX) -> Mpcc:
@@ -241,16 +248,15 @@ def _shared(unknown: Shared, sigma: ca.SX) -> Mpcc:
 
 
 def _relax_scalar(
-    pair: Pair, relaxation: Relaxation, g: ca.SX, h: ca.SX, sigma: ca.SX, limit: float | None
+    pair: Pair, relaxation: Relaxation, g: ca.SX, h: ca.SX, sigma: ca.SX, gap: Gap | None
 ) -> Relaxed:
-    name = pair.block.name
     if pair.kind in relaxation.kinds:
-        inner = relaxation.relax(g, h, sigma, pair.kind, name, limit)
+        inner = relaxation.relax(g, h, sigma, pair.kind, gap)
         signs = [] if pair.sign_known else [g]
         signs += [h] if pair.kind == "complementarity" else []
     else:
         s = ca.SX.sym("s")
-        seen = relaxation.relax(g, s, sigma, "complementarity", name, limit)
+        seen = relaxation.relax(g, s, sigma, "complementarity", gap)
         unknowns = [replace(u, guess=ca.substitute(u.guess, s, ca.fmax(h, 0))) for u in seen.unknowns]
         slack = Unknown(s, 0.0, np.inf, ca.fmax(h, 0))
         inner = replace(_with_rows(seen, [s - h]), unknowns=(slack, *unknowns))

@@ -38,8 +38,8 @@ def measured(
 ) -> Result:
     """Solve, from nothing or from an earlier result, until the certificate accepts or a margin would exceed `most`.
 
-    Returns the certified result; without one the first, which has no margins. With `most` 0 nothing is measured: the one
-    solve has the margins of the scenario.
+    Returns the certified result, with the account of the first solve; without one the first, which has no margins. With
+    `most` 0 nothing is measured: the one solve has the margins of the scenario.
     """
     if not most:
         return solve(case, None)
@@ -55,8 +55,14 @@ def measured(
         if raised == margins or max((m for own in raised.values() for m in own.values()), default=0.0) > most:
             return first
         margins = raised
-        last = solve(_with(case, margins), last)
+        last = _of_the_search(first, solve(_with(case, margins), last))
     return last if last.claimed and judge(last, case, ledger).certified else first
+
+
+def _of_the_search(first: Result, last: Result) -> Result:
+    """The last result with the account of the first, whose search, if it was one, knew no margins."""
+    searched = {"search": f"{first.account['search']}{BEST_ONLY}"} if "search" in first.account else {}
+    return last.telling(**{**first.account, **searched})
 
 
 def _with(case: Case, margins: Margins) -> Case:

@@ -35,7 +35,8 @@ def fly(case: Case, ledger: Ledger, grid: Grid, corners: Array, conditions: Mpcc
     """
     with ledger.building():
         mpcc = _problem(case, grid, corners) + conditions
-    values = homotopy(mpcc, case, ledger, "guess: point mass").values
+    with ledger.guessing():
+        values = homotopy(mpcc, case, ledger, "guess: point mass").values
     time = grid.time_weights @ values["T"].ravel()
     q, v, u = racing(case.model).follow(time, values["p"], values["v"], values["f"])
     return Plan.of(

@@ -34,17 +34,19 @@ def pose(problem: Problem, case: Case, ledger: Ledger, stage: str, near: Result 
 
 
 def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
-    """Solve phases, then one step size with contacts, or gates, held at the nearest nodes; both are smooth.
+    """Make a start: solve phases, then one step size with contacts, or gates, held at the nearest nodes; both smooth.
 
     The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
     window on its way back. It starts from the multipliers of the first, with which it takes half as many iterations.
     """
     with ledger.building():
         problem = posing.phases(case, start)
-    found = pose(problem, case, ledger, "guess: phases")
+    with ledger.guessing():
+        found = pose(problem, case, ledger, "guess: phases")
     with ledger.building():
         problem = posing.held(case, found.plan)
-    return pose(problem, case, ledger, "guess: window", found)
+    with ledger.guessing():
+        return pose(problem, case, ledger, "guess: window", found)
 
 
 def judge(result: Result, case: Case, ledger: Ledger) -> Certificate:

@@ -22,7 +22,6 @@ from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
-from benchbench.planning.margins import BEST_ONLY
 from benchbench.planning.result import Result
 from benchbench.planning.search import Account
 from benchbench.planning.strategy import pose
@@ -142,10 +141,9 @@ class Windows:
 
 
 def solved_again(case: Case, ledger: Ledger, near: Result) -> Result:
-    """Solve the window of a searched result once more, with the margins that the case has now; its account says so."""
+    """Solve the window of a searched result once more, with the margins that the case has now."""
     windows = Windows(case, ledger, near.plan, near)
-    search = f"{near.account['search'].removesuffix(BEST_ONLY)}{BEST_ONLY}"
-    return windows.solve(windows.nearest).telling(**{**near.account, "search": search})
+    return windows.solve(windows.nearest)
 
 
 def check_one_contact(case: Case) -> None:

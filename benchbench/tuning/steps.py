@@ -9,7 +9,7 @@ from optuna.pruners import BasePruner
 from optuna.trial import FrozenTrial
 
 from benchbench.errors import Pruned
-from benchbench.nlp.ledger import GUESS, Step
+from benchbench.nlp.ledger import Step
 from benchbench.tuning.outcome import good
 from benchbench.tuning.storage import opened
 
@@ -54,7 +54,7 @@ class Report:
     def __call__(self, step: Step) -> None:
         """Report one step. Raises Pruned."""
         value: float | None = getattr(step, self._objective)
-        if step.stage.startswith(GUESS) or value is None:
+        if step.guess or value is None:
             return
         trial = self._opened()
         trial.report(self._before + value, self._step)

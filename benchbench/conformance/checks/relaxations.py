@@ -46,7 +46,7 @@ def check_form(relaxation: Relaxation) -> None:
     require(0 < relaxation.accuracy < 0.1, f"accuracy {relaxation.accuracy}")
     g, h, sigma = (ca.SX.sym(k) for k in ("g", "h", "sigma"))
     for kind in relaxation.kinds:
-        seen = relaxation.relax(g, h, sigma, kind, "touch", None)
+        seen = relaxation.relax(g, h, sigma, kind, None)
         rows = (seen.rows.shape[0], len(seen.lower), len(seen.upper))
         require(
             len(set(rows)) == 1, f"{kind}: {rows[0]} rows with {rows[1]} lower and {rows[2]} upper bounds"

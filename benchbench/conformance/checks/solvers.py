@@ -37,7 +37,7 @@ from benchbench.conformance.checks.staged_programs import (
 )
 from benchbench.mpcc.problem import Mpcc, PairKind
 from benchbench.nlp.program import assemble
-from benchbench.nlp.relaxation import Relaxation, Relaxed
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed
 from benchbench.nlp.solver import Accuracy, Outcome, Point, Setup, Solver
 from benchbench.planning.case import Case
 
@@ -162,9 +162,7 @@ class Unrelaxed(Relaxation):
 
     schedule = (0.0,)
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """The pair itself."""
         return Relaxed(ca.SX(0, 1), (), (), pairs=((g, h),), signs=False)
 

@@ -7,7 +7,7 @@ from typing import final
 import casadi as ca
 from pydantic.dataclasses import dataclass
 
-from benchbench import PairKind, Relaxation, Relaxed
+from benchbench import Gap, PairKind, Relaxation, Relaxed
 
 
 @final
@@ -17,9 +17,7 @@ class SoftMinimum(Relaxation):
 
     schedule: tuple[float, ...] = (1e-2, 1e-4, 1e-6)
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Row min(G, H) - sigma log(1 + exp(-|G - H| / sigma)), which is the formula without overflow."""
         row = ca.fmin(g, h) - sigma * ca.log1p(ca.exp(-ca.fabs(g - h) / sigma))
         return Relaxed(row, (-ca.inf,), (0.0,))

@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule, Unknown
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule, Unknown
 
 
 @final
@@ -30,9 +30,7 @@ class AugmentedLagrangian(Relaxation):
     kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
     largest: float = Field(default=1e6, gt=0)
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Row G H - e and the cost; the multiplier is held during a solve."""
         e, m = ca.SX.sym("e"), ca.SX.sym("m")
         excess = Unknown(e, -np.inf, np.inf, ca.fmax(g * h, 0))

@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule
 
 
 @final
@@ -30,9 +30,7 @@ class ChenChenKanzow(Relaxation):
     weight: float = Field(default=0.5, gt=0, le=1)
     power: ClassVar[float] = 2.0
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Row of both terms."""
         burmeister = g + h - ca.sqrt(g**2 + h**2 + 2 * sigma**2)
         row = self.weight * burmeister + (1 - self.weight) * (g * h - sigma**2)

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed
 
 
 @final
@@ -24,8 +24,6 @@ class Direct(Relaxation):
     kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
     power: ClassVar[float] = 0.0
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Row G H."""
         return Relaxed(g * h, (-np.inf,), (0.0,))

@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule, Shared
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule, Shared
 
 T = ca.SX.sym("elastic")
 
@@ -34,11 +34,9 @@ class Elastic(Relaxation):
         """Take over the kinds of the inner relaxation."""
         object.__setattr__(self, "kinds", self.inner.kinds)
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Rows of the inner relaxation; raises BadInput when they do not depend on its sigma."""
-        seen = self.inner.relax(g, h, T, kind, name, limit)
+        seen = self.inner.relax(g, h, T, kind, gap)
         if not ca.depends_on(seen.rows, T) or ca.depends_on(seen.cost, T) or seen.shared:
             raise BadInput(
                 "relaxation.inner", "has no row with a sigma to steer", "scholtes or another relaxation"

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule
 
 
 @final
@@ -25,9 +25,7 @@ class Kadrani(Relaxation):
     # sigma, and the certificate allows 1e-6.
     schedule: Schedule = (1e-3, 1e-6)
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """The two bounds and the product of the distances to sigma."""
         rows = ca.vertcat(g + sigma, h + sigma, (g - sigma) * (h - sigma))
         return Relaxed(rows, (0.0, 0.0, -np.inf), (np.inf, np.inf, 0.0), signs=False)

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule
 
 
 @final
@@ -26,9 +26,7 @@ class KanzowSchwartz(Relaxation):
     schedule: Schedule = (1e-2, 1e-4, 1e-6)
     kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Row phi."""
         a, b = g - sigma, h - sigma
         return Relaxed(ca.if_else(a + b >= 0, a * b, -(a**2 + b**2) / 2), (-np.inf,), (0.0,))

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule, Unknown
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule, Unknown
 
 
 @final
@@ -27,9 +27,7 @@ class L1Penalty(Relaxation):
     schedule: Schedule = (1e-2, 1e-4)
     kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """The cost, with the row G H - e where H may be negative."""
         if kind == "complementarity":
             return Relaxed(ca.SX(0, 1), (), (), cost=g * h / sigma)

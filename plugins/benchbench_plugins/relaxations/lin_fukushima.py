@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule
 
 
 @final
@@ -26,9 +26,7 @@ class LinFukushima(Relaxation):
     schedule: Schedule = (1e-2, 1e-3, 1e-6)
     power: ClassVar[float] = 2.0
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Both hyperbolas, the second one multiplied out."""
         rows = ca.vertcat(g * h - sigma**2, g * h + sigma * (g + h))
         return Relaxed(rows, (-np.inf, 0.0), (0.0, np.inf), signs=False)

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule
 
 
 @final
@@ -28,9 +28,7 @@ class NaturalResidual(Relaxation):
     kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
     power: ClassVar[float] = 2.0
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Row G + H - root; the root's argument is at least 4 sigma^2."""
         row = g + h - ca.sqrt((g - h) ** 2 + 4 * sigma**2)
         return Relaxed(row, (-np.inf,), (0.0,))

@@ -8,7 +8,7 @@ import casadi as ca
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed
 
 
 @final
@@ -22,8 +22,6 @@ class NoRelaxation(Relaxation):
     schedule = (0.0,)
     power: ClassVar[float] = 0.0
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """The pair itself."""
         return Relaxed(ca.SX(0, 1), (), (), pairs=((g, h),), signs=False)

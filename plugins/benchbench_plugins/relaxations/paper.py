@@ -9,10 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Unknown
-
-DISTANCES = ("position", "ball")
-"""Conditions that keep a distance: of a contact, and of a gate."""
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Unknown
 
 
 @final
@@ -20,8 +17,8 @@ DISTANCES = ("position", "ball")
 class Paper(Relaxation):
     """Slack equality for the distance, fixed limits for the rest (paper Eq. 29, 31 and 33). No sigma.
 
-    distances: epsilon (gap - nu) = 0 with a new unknown nu in [0, limit];
-    others:    epsilon gap <= limit, in physical units.
+    distances, in m: epsilon (gap - nu) = 0 with a new unknown nu in [0, limit];
+    others:          epsilon gap <= limit, in physical units.
     Fractional epsilon passes both, so a "contact" may break every limit; the certificate shows it. Norms
     are smoothed by `smoothing` (relative to the limit), since their derivative at zero does not exist.
     Complementarity pairs without a physical gap: G >= 0, H >= 0, G H <= limit_product (Baumrucker 2008).
@@ -34,14 +31,13 @@ class Paper(Relaxation):
     limit_product: float = 1e-2
     power: ClassVar[float] = 0.0
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Rows as in the paper; h = (gap / limit)^2 - 1 gives the gap back."""
-        if limit is None:
+        if gap is None:
             return Relaxed(g * h, (-np.inf,), (self.limit_product,))
-        gap = limit * ca.sqrt(ca.fmax(h + 1, 0) + self.smoothing**2)
-        if not name.endswith(DISTANCES):  # several stops put their names in front
-            return Relaxed(g * gap, (-np.inf,), (limit,))
+        size = gap.limit * ca.sqrt(ca.fmax(h + 1, 0) + self.smoothing**2)
+        if gap.unit != "m":
+            return Relaxed(g * size, (-np.inf,), (gap.limit,))
         nu = ca.SX.sym("nu")
-        return Relaxed(g * (gap - nu), (0.0,), (0.0,), unknowns=(Unknown(nu, 0.0, limit, ca.SX(limit)),))
+        slack = Unknown(nu, 0.0, gap.limit, ca.SX(gap.limit))
+        return Relaxed(g * (size - nu), (0.0,), (0.0,), unknowns=(slack,))

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule
 
 
 @final
@@ -24,8 +24,6 @@ class Scholtes(Relaxation):
     schedule: Schedule = (1e-2, 1e-4, 1e-7)
     kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Row G H - sigma."""
         return Relaxed(g * h - sigma, (-np.inf,), (0.0,))

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import PairKind
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Schedule
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule
 
 
 @final
@@ -28,9 +28,7 @@ class SteffensenUlbrich(Relaxation):
     kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
     power: ClassVar[float] = 2.0
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         """Row G + H - |G - H|, rounded; theta meets the modulus with equal first and second derivatives."""
         z = (g - h) / sigma
         modulus = ca.if_else(ca.fabs(z) < 1, sigma * (3 + 6 * z**2 - z**4) / 8, ca.fabs(g - h))

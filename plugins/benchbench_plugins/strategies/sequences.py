@@ -13,7 +13,7 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.stop import Stop
 from benchbench.planning import posing
 from benchbench.planning.case import Case, Strategy
-from benchbench.planning.margins import BEST_ONLY, measured
+from benchbench.planning.margins import measured
 from benchbench.planning.result import Result
 from benchbench.planning.search import Candidate, Found, best_first
 from benchbench.planning.strategy import pose
@@ -60,8 +60,7 @@ class Sequences(Strategy):
         """Solve the sequence of a result once more, from its plan."""
         with ledger.building():
             problem = posing.phases(case, near.plan)
-        search = f"{near.account['search'].removesuffix(BEST_ONLY)}{BEST_ONLY}"
-        return pose(problem, case, ledger, "phases: the best again").telling(search=search)
+        return pose(problem, case, ledger, "phases: the best again")
 
     def _fly(self, case: Case, ledger: Ledger, made: tuple[Stop, ...]) -> Found[Result]:
         start = posing.start(case, ledger, made)
