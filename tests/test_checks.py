@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 import pytest
@@ -14,9 +14,20 @@ from test_certificate import LIMITS, MODEL, crossing_plan, only_reason, task
 
 import benchbench as bb
 from benchbench import pipeline
+from benchbench.arrays import Array
+from benchbench.certificate.certificate import Measures
 from benchbench.certificate.certify import certify
+from benchbench.certificate.checks.nodes import planned_end, planned_start
+from benchbench.certificate.checks.replay import replay_end
+from benchbench.certificate.evidence import Given
+from benchbench.certificate.examination import Examination, examine
 from benchbench.certificate.limits import Limits
+from benchbench.certificate.measured import measured
+from benchbench.certificate.numbers import flown
 from benchbench.errors import BadInput
+from benchbench.ocp.model import Model
+from benchbench.ocp.scenario import Ends, Scenario, at_rest, point, straight
+from benchbench.ocp.stop import Itinerary
 from benchbench.run import config, summary, trust
 from benchbench.storage.flight import flight_of
 from benchbench.storage.flight_csv import to_csv
@@ -121,6 +132,68 @@ def test_what_gives_no_check_is_bad_input() -> None:
     plan = crossing_plan()
     with pytest.raises(BadInput, match="opinion: gives a bool"):
         certify(plan, task(plan), MODEL, limits(opinion=True))
+
+
+@final
+class Hop(Scenario):
+    """A kind of scenario of a stranger's: from start to end, and as high as `top` m on the way."""
+
+    top: float
+
+    @property
+    def grid_intervals(self) -> int:
+        return 20
+
+    def on_grid(self, intervals: int) -> None:
+        return None
+
+    @property
+    def itinerary(self) -> Itinerary:
+        return Itinerary(())
+
+    def start_point(self, model: Model) -> Array:
+        return point(self.start, model, "scenario.start")
+
+    def end_point(self, model: Model) -> Array:
+        return point(self.end, model, "scenario.end")
+
+    def ends(self, model: Model) -> Ends:
+        return at_rest(self.end_point(model), self.limits(model), model)
+
+    def flown(self, model: Model, nodes: int) -> Array:
+        return straight(self.start_point(model), self.end_point(model), model, nodes)
+
+
+def high_enough(evidence: bb.Evidence) -> Iterator[bb.Check]:
+    assert isinstance(evidence.scenario, Hop)
+    top = float(evidence.flight.configuration[:, 2].max())
+    yield bb.at_least("high_enough", "the highest point", top, evidence.scenario.top, "m")
+
+
+def test_a_kind_of_scenario_registers_its_evidence_and_checks() -> None:
+    plan = crossing_plan()
+    ends = {
+        side: dict(zip(MODEL.configuration.names, plan.configuration[k], strict=True))
+        for side, k in (("start", 0), ("end", -1))
+    }
+    with pytest.raises(bb.IncompatibleCase, match="nothing says how a Hop is certified"):
+        certify(plan, Hop(name="hop", top=0.0, **ends), MODEL, LIMITS)
+
+    @examine.register
+    def _(scenario: Hop, given: Given) -> Examination:
+        evidence = measured(scenario, given)
+        return Examination(
+            evidence, (planned_start, planned_end), (replay_end, high_enough), Measures(**flown(evidence))
+        )
+
+    top = float(plan.configuration[:, 2].max())
+    found = certify(plan, Hop(name="hop", top=top - 0.01, **ends), MODEL, LIMITS)
+    assert found.certified and found.record()["replay_defect_position_m"] < 1e-6
+    assert [check.name for check in found.checks][-1] == "high_enough"
+    low = certify(plan, Hop(name="hop", top=top + 1.0, **ends), MODEL, LIMITS)
+    assert only_reason(low).startswith("the highest point is only ")
+    moved = Hop(name="hop", top=0.0, **(ends | {"end": ends["start"]}))
+    assert "distance from the end on the replay" in " ".join(certify(plan, moved, MODEL, LIMITS).reasons)
 
 
 def test_installed_packages_give_their_checks_short_names(

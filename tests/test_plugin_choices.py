@@ -34,6 +34,7 @@ class Theirs(Relaxation):
         return Relaxed(g * h - sigma, (-np.inf,), (0.0,))
 
 class Ground(Contact):
+    noun, aside, reach = "height", "above the ground", None
     def __init__(self, limit=0.2):
         self.limit = limit
     def condition(self, model, node, target):

@@ -14,7 +14,7 @@ import numpy as np
 from benchbench.arrays import Array
 from benchbench.certificate.race_bound import race_bound
 from benchbench.ocp.handover import Handover
-from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.model import Model, Plant, space
 from benchbench.ocp.motion import sample
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
@@ -77,7 +77,7 @@ def arm_reach(model: Model, plant: Plant, samples: int = 181) -> float:
 
     Attitude does not change it. Sampling an arc of 180 degrees at 181 points misses less than 4e-5 of it.
     """
-    box, rest = model.configuration, model.origin()
+    box, rest = model.configuration, space(model).origin()
     q: Array = np.tile(rest, (samples, 1))
     for i, name in enumerate(box.names):
         if name not in (*AXES, "roll", "pitch", "yaw") and box.units[i] != "1":

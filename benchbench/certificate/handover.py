@@ -23,9 +23,8 @@ from benchbench.certificate.checks.stops import stop_choice, stop_order
 from benchbench.certificate.difference import distance
 from benchbench.certificate.evidence import Given
 from benchbench.certificate.examination import Examination, examine
-from benchbench.certificate.limited import Limited
+from benchbench.certificate.measured import measured
 from benchbench.certificate.numbers import flown
-from benchbench.certificate.replay import defects, replay
 from benchbench.ocp.contact import Contact, in_words
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
@@ -39,33 +38,10 @@ FLOWN = (replay_position, replay_angle, replay_rate, replay_end, contact_flown)
 
 @examine.register
 def _handover(scenario: Handover, given: Given) -> Examination[ContactEvidence]:
-    evidence = _evidence(scenario, given)
+    found = measured(scenario, given)
+    audits = audit(given.plan, found.flight, scenario.itinerary, found.plant, given.limits)
+    evidence = ContactEvidence(**vars(found), audits=audits)
     return Examination(evidence, PLANNED, FLOWN, Measures(**flown(evidence), **_numbers(evidence)))
-
-
-def _evidence(scenario: Handover, given: Given) -> ContactEvidence:
-    """Limits are the same all along the flight."""
-    plan, model = given.plan, given.model
-    plant = model.plant()
-    flight = replay(plan, plant, restart_seconds=given.limits.restart_seconds)
-    room = scenario.limits(model)
-    with np.errstate(invalid="ignore"):
-        planned, dense = (plant.output(one.configuration, one.velocity) for one in (plan, flight))
-    rate = np.array([unit.endswith("/s") for unit in model.outputs.units], bool)
-    return ContactEvidence(
-        **vars(given), scenario=scenario, plant=plant, missed=defects(plan, plant), flight=flight,
-        planned={
-            "configuration": Limited.of(room, plan.configuration),
-            "velocity": Limited.of(model.velocity, plan.velocity),
-            "input": Limited.of(model.inputs, plan.inputs),
-            "output": Limited.of(model.outputs, planned),
-        },
-        room=Limited.of(room, flight.configuration).beside(Limited.of(model.outputs, dense)),
-        rates=Limited.of(model.velocity, flight.velocity).beside(
-            Limited.of(model.outputs, np.where(rate, dense, 0.0))
-        ),
-        audits=audit(plan, flight, scenario.itinerary, plant, given.limits),
-    )  # fmt: skip
 
 
 def _numbers(evidence: ContactEvidence) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from benchbench.certificate.numbers import flown
 from benchbench.certificate.passing import GateEvidence, as_passed, gate_nodes
 from benchbench.certificate.replay import defects, replay
 from benchbench.ocp.gates import passes
+from benchbench.ocp.model import input_bounds, output_bounds, output_box, velocity_bounds
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 
@@ -52,7 +53,7 @@ def _evidence(scenario: Race, given: Given) -> GateEvidence:
     race, plant, nodes = as_passed(plan, scenario, limits.gate_position), model.plant(), len(plan.time)
     restarts = gate_nodes(plan, race, limits)
     flight = replay(plan, plant, restart_seconds=limits.restart_seconds, restart_nodes=restarts)
-    metres, room = race.flown(model, nodes), race.limits(model)
+    metres, room, outputs = race.flown(model, nodes), race.limits(model), output_box(model)
     along = np.interp(np.interp(flight.time, plan.time, np.arange(nodes)), np.arange(nodes), metres)
     with np.errstate(invalid="ignore"):
         planned, dense = (plant.output(one.configuration, one.velocity) for one in (plan, flight))
@@ -60,13 +61,13 @@ def _evidence(scenario: Race, given: Given) -> GateEvidence:
         **vars(given), scenario=race, plant=plant, missed=defects(plan, plant), flight=flight,
         planned={
             "configuration": Limited.of(room, plan.configuration),
-            "velocity": Limited.of(model.velocity, plan.velocity, model.velocity_limits(metres)),
-            "input": Limited.of(model.inputs, plan.inputs, model.input_limits(metres[_input_nodes(plan)])),
-            "output": Limited.of(model.outputs, planned, model.output_limits(metres)),
+            "velocity": Limited.of(model.velocity, plan.velocity, velocity_bounds(model, metres)),
+            "input": Limited.of(model.inputs, plan.inputs, input_bounds(model, metres[_input_nodes(plan)])),
+            "output": Limited.of(outputs, planned, output_bounds(model, metres)),
         },
         room=Limited.of(room, flight.configuration),
-        rates=Limited.of(model.velocity, flight.velocity, model.velocity_limits(along)).beside(
-            Limited.of(model.outputs, dense, model.output_limits(along))
+        rates=Limited.of(model.velocity, flight.velocity, velocity_bounds(model, along)).beside(
+            Limited.of(outputs, dense, output_bounds(model, along))
         ),
         passes=passes(flight.time, flight.configuration[:, :3], race.goals, limits.gate_position),
     )  # fmt: skip

@@ -20,7 +20,7 @@ from functools import cache
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.ocp.model import Model, Plant, racing
+from benchbench.ocp.model import Model, Plant, racing, space
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate
 
@@ -53,7 +53,7 @@ def order_bound(race: Race, model: Model, plant: Plant, first: Sequence[int]) ->
 def _acceleration(race: Race, model: Model, plant: Plant) -> tuple[float, Array]:
     """Largest thrust over mass and gravity (3,), m/s^2."""
     still = np.zeros(len(model.velocity.names))
-    gravity = plant.acceleration(model.origin(), still, 0 * model.hover())[:3]
+    gravity = plant.acceleration(space(model).origin(), still, 0 * model.hover())[:3]
     metres = np.append(race.flown(model, race.grid_intervals + 1), FAR)
     return float(np.max(racing(model).specific_thrust(metres))), np.asarray(gravity)
 

@@ -18,7 +18,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import final
 
 import casadi as ca
 import numpy as np
@@ -83,31 +82,6 @@ class Model(ABC):
     @abstractmethod
     def plant(self) -> Plant:
         """Return the independent numeric model that the certificate replays plans on."""
-
-    @property
-    def outputs(self) -> Coordinates:
-        """See `output_box`, as `velocity_bounds` and the rest below; asked here by the certificate only."""
-        return box((), (), [], [])
-
-    @final
-    def velocity_limits(self, flown: Array) -> Bounds:
-        """See `velocity_bounds`."""
-        return velocity_bounds(self, flown)
-
-    @final
-    def input_limits(self, flown: Array) -> Bounds:
-        """See `input_bounds`."""
-        return input_bounds(self, flown)
-
-    @final
-    def output_limits(self, flown: Array) -> Bounds:
-        """See `output_bounds`."""
-        return output_bounds(self, flown)
-
-    @final
-    def origin(self) -> Array:
-        """See `Space.origin`."""
-        return space(self).origin()
 
 
 class LagrangianModel(Model):
