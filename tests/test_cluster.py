@@ -71,7 +71,7 @@ def cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
         "--no-dashboard",
     ):
         limit = time.monotonic() + 60.0
-        while not file.is_file() and time.monotonic() < limit:
+        while not (file.is_file() and file.stat().st_size) and time.monotonic() < limit:
             time.sleep(0.05)
         address = pd.read_json(file, typ="series")["address"]
         with started(folder, *worker) as one, started(folder, *worker) as other:

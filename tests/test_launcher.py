@@ -14,7 +14,6 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from omegaconf import OmegaConf
 from program import listen, on_terminal, program, records, told
 
 from benchbench.run.execution import Ended
@@ -22,7 +21,7 @@ from benchbench.storage.collect import collect
 from benchbench.storage.schema import make_record
 from benchbench.storage.table import read
 from benchbench.sweep.display import Display
-from benchbench.sweep.job import Job
+from benchbench.sweep.processes import descendants
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for processes and their signals")
 
@@ -183,26 +182,20 @@ def test_ctrl_c_ends_the_sweep_and_its_workers(tmp_path: Path) -> None:
 
 
 def seconds_of_the_worker(folder: Path, process: subprocess.Popen[str]) -> float:
-    """Wall seconds from the moment that a worker begins its run, when it makes its log, to its death."""
-    worker = None
-    while worker is None and process.poll() is None:
-        writing = [
-            entry for entry in map(Path, map("/proc/{}".format, processes_in(folder))) if writes_a_log(entry)
-        ]
-        worker = writing[0] if writing else None
-    while worker is not None and int(worker.name) in processes_in(folder):
+    """Wall seconds from the birth of the process of the run to its death."""
+    run = None
+    while run is None and process.poll() is None:
+        run = next(iter(children_of_keepers(process.pid)), None)
+    began = time.monotonic()
+    while run is not None and run in processes_in(folder):
         time.sleep(0.01)
-    ended = time.time()
-    (log,) = folder.rglob("output.log")  # empty: nothing was written since
-    return ended - log.stat().st_mtime
+    return time.monotonic() - began
 
 
-def writes_a_log(process: Path) -> bool:
-    """Whether the standard output of a process in /proc is the log of a run."""
-    try:
-        return (process / "fd" / "1").readlink().name == "output.log"
-    except OSError:
-        return False
+def children_of_keepers(program: int) -> set[int]:
+    """Processes of runs: the program starts keepers, which fork them."""
+    below = descendants([program])
+    return {run for keeper in below for run in descendants([keeper])}
 
 
 def test_a_single_run_ends_at_its_limit_with_a_record(tmp_path: Path) -> None:
@@ -265,10 +258,9 @@ def test_a_disk_that_fills_up_is_named_and_costs_no_earlier_row(small_disk: Path
 
 
 def test_the_display_counts_what_is_done_by_how_it_ended(capsys: pytest.CaptureFixture[str]) -> None:
-    job = Job(1, OmegaConf.create({"hydra": {"overrides": {"task": ["+scenario=static"]}}}))
     with Display(5, traced=False) as display:
         for status in ("certified", "timeout", "uncertified", "timeout"):
-            display.ended(job, Ended(0, make_record(status=status, scenario="static")))
+            display.ended(1, ["+scenario=static"], Ended(0, make_record(status=status, scenario="static")))
         (bar,) = display._bar.tasks
         assert (bar.completed, bar.total) == (4, 5)
         assert bar.description == "1 certified, 2 timeout, 1 uncertified"

@@ -21,9 +21,11 @@ from benchbench.run import config, summary
 from benchbench.run.execution import BAD_INPUT, CERTIFIED, execute
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.overrides import carried, implying
-from benchbench.sweep.job import Job
+from benchbench.sweep.combination import Combination
+from benchbench.sweep.pool import run_all
 from benchbench.sweep.single import isolated, limited
-from benchbench.sweep.sweep import Engine, here, sweep
+from benchbench.sweep.sweep import sweep
+from benchbench.sweep.task import Engine
 
 
 def start(arguments: Sequence[str]) -> int:
@@ -113,7 +115,10 @@ class _Call:
         if ended.record is not None and not ended.complaints:
             summary.show(ended.record, ended.paths)
 
-    def sweep(self, jobs: Sequence[Job], search_path: ConfigSearchPath, engine: Engine = here) -> list[int]:
+    def sweep(
+        self, combinations: Sequence[Combination], search_path: ConfigSearchPath, engine: Engine = run_all
+    ) -> list[int]:
         """Run all combinations, each in a process of its own; called by our Hydra launchers."""
-        self.codes += sweep(jobs, search_path, self.traced, engine)
-        return self.codes[-len(jobs) :]
+        codes = sweep(combinations, search_path, self.traced, engine)
+        self.codes += codes
+        return codes

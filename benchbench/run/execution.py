@@ -20,8 +20,8 @@ from omegaconf import DictConfig, OmegaConf
 
 from benchbench import pipeline
 from benchbench.errors import BadInput, BenchBenchError, Crash, NoPlan, OutOfMemory, Pruned, Timeout
-from benchbench.run import config, settings
-from benchbench.run.failure import failed, reason
+from benchbench.run import config, memory, settings
+from benchbench.run.failure import cut, failed, reason
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.progress import LiveLine
 from benchbench.storage.best_known import BEST_KNOWN, REFERENCES, BestKnown, packaged
@@ -33,6 +33,8 @@ CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2
 KILLED = (Timeout, Crash, OutOfMemory)
 NO_INPUT = (*KILLED, NoPlan)
 """Errors that are about neither the input nor our own code."""
+LONGEST_TRACE = 20_000
+"""Characters of a traceback that are kept."""
 FULL = (errno.ENOSPC, errno.EDQUOT)
 """Numbers of the system's errors for a disk, or a user's share of it, that is full."""
 
@@ -98,25 +100,28 @@ class Ended:
 
 
 def execute(cfg: DictConfig) -> Ended:
-    """Run one composed configuration where Hydra says; never raises an Exception."""
+    """Run one composed configuration where Hydra says; raises nothing but KeyboardInterrupt."""
     place = None
     try:
         place = Place.of(cfg)
         done, paths = _run(cfg, place)
-    except Exception as error:  # noqa: BLE001  # every way to end gets its message and its record
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # noqa: BLE001  # every way to end gets its message and its record
         return failure(error, cfg, place)
     return Ended(CERTIFIED if done.certificate.certified else NOT_CERTIFIED, done.record, paths)
 
 
-def failure(error: Exception, cfg: DictConfig, place: Place | None, **columns: Any) -> Ended:
+def failure(error: BaseException, cfg: DictConfig, place: Place | None, **columns: Any) -> Ended:
     """Store and explain what ended a run; a row tells of it, unless it is a single run that never began.
 
     columns: what the record should say beside what is known of any failed run.
     """
-    if isinstance(error, MemoryError):
-        traceback.clear_frames(
-            error.__traceback__
-        )  # what the run has hoarded goes, or there is no room for its record
+    if not isinstance(error, EXPECTED) and memory.caused(error):
+        short = OutOfMemory(f"the run needed more memory than it may have, and ended with {reason(error)}")
+        traceback.clear_frames(error.__traceback__)  # what it has hoarded goes: its record needs room
+        memory.lift()
+        error = short.with_traceback(error.__traceback__)
     if isinstance(error, OSError) and error.errno in FULL:
         error = BadInput("output", f"cannot write: {error.strerror}", "a folder with free space")
     expected = isinstance(error, EXPECTED)
@@ -164,8 +169,10 @@ def written(cfg: DictConfig) -> str:
     return OmegaConf.to_yaml(own, resolve=True)
 
 
-def _complaint(error: Exception, told: Exception) -> Complaint:
-    trace = "".join(traceback.format_exception(error))
+def _complaint(error: BaseException, told: BaseException) -> Complaint:
+    trace = cut("".join(traceback.format_exception(error)), LONGEST_TRACE)
+    if isinstance(told, OutOfMemory):
+        return Complaint("out of memory", reason(told), trace)
     if isinstance(told, KILLED):
         return Complaint("the process of the run died", reason(told))
     if isinstance(told, NoPlan):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,6 +19,8 @@ from benchbench.errors import (
 from benchbench.storage import provenance
 from benchbench.storage.schema import Record, Status, make_record
 
+LONGEST = 2_000
+"""Characters of a reason that are kept."""
 CHOICES = ("scenario", "vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
 
 
@@ -58,8 +61,36 @@ def status(error: BaseException) -> Status:
 
 
 def reason(error: BaseException) -> str:
-    """One line: our own text as it is, another error with its type and last line, which names the cause."""
-    if isinstance(error, BenchBenchError):
+    """One line: our own text as it is, another error with its type and last line, which names the cause.
+
+    It can be printed and stored whatever an error of a plugin says of itself.
+    """
+    text = said(error)
+    if not isinstance(error, BenchBenchError):
+        lines = [line.strip() for line in text.splitlines() if line.strip()]
+        text = f"{type(error).__name__}: {lines[-1]}" if lines else type(error).__name__
+    return "".join(
+        letter if _printable(letter) else "\N{REPLACEMENT CHARACTER}" for letter in cut(text, LONGEST)
+    )
+
+
+def said(error: BaseException) -> str:
+    """What an error says, nothing where not even that works."""
+    try:
         return str(error)
-    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    return f"{type(error).__name__}: {lines[-1]}" if lines else type(error).__name__
+    except BaseException:  # noqa: BLE001  # a plugin's own
+        return ""
+
+
+def cut(text: str, longest: int) -> str:
+    """A text of at most so many characters: of a longer one the beginning and the end."""
+    if len(text) <= longest:
+        return text
+    half = longest // 2
+    return f"{text[:half]} [...] {text[-half:]}"
+
+
+def _printable(letter: str) -> bool:
+    return letter in "\n\t" or not unicodedata.category(letter).startswith(
+        "C"
+    )  # control, half of a pair, none

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import logging
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +65,23 @@ def read(root: Path) -> pd.DataFrame:
 def frame(rows: pa.Table) -> pd.DataFrame:
     """Return rows of the table for pandas: nullable integers and booleans, numbers by name as dictionaries."""
     return rows.to_pandas(types_mapper=_PANDAS.get, maps_as_pydicts="lossy")
+
+
+def added(root: Path, seen: set[str], columns: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """Give some columns of the rows whose files are not among those `seen` before, to which they are added.
+
+    A file that is no row, or not yet, is passed over.
+    """
+    for path in sorted(path for path in folder(root).glob("*.parquet") if path.name not in seen):
+        seen.add(path.name)
+        try:
+            with pq.ParquetFile(path) as file:
+                row = file.read(columns=list(columns), use_threads=False)
+        except (OSError, pa.ArrowException) as error:
+            LOG.warning("left out %s, which is not a row of the table: %s", path, error)
+            continue
+        for values in row.to_pylist():
+            yield {name: values.get(name) for name in columns}
 
 
 def rebuild(root: Path) -> tuple[int, dict[Path, str]]:

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Collection
 from dataclasses import dataclass
-from typing import Any, Self, cast
+from typing import Any, Final, Self, cast
 
 from hydra.core.config_search_path import ConfigSearchPath
 
 from benchbench.errors import BadInput, Crash
 from benchbench.run.execution import Ended
 from benchbench.sweep import remote
-from benchbench.sweep.pool import Task
+from benchbench.sweep.task import Ends, Task, Tasks
 
 SCHEDULER = "hydra.launcher.scheduler"
 CONNECT_S = 10.0
+AHEAD = 2
+"""Tasks that each thread of the cluster has at hand: the one it carries out, and the next."""
+POLL_S = 0.5
+DONE: Final = "done"
 
 
 @dataclass(frozen=True)
@@ -45,33 +50,41 @@ class Cluster:
             ) from None
         return cls(scheduler, float(patience))
 
-    def __call__(
-        self, tasks: Sequence[Task], search_path: ConfigSearchPath
-    ) -> Iterator[tuple[Task, Ended | Exception]]:
+    def __call__(self, tasks: Tasks, search_path: ConfigSearchPath) -> Ends:
         """Give the ends of all tasks as they come. Raises BadInput for a cluster that is not there."""
-        from distributed import KilledWorker, as_completed
-
         with self._client() as client:
-            futures = {
-                client.submit(
-                    remote.run, task, search_path, pure=False, key=f"benchbench-{task[1].labels['run_id']}"
-                ): task
-                for task in tasks
-            }
+            futures: dict[Any, Task] = {}
+            left = True
             try:
-                for future in cast("Any", as_completed)(futures, raise_errors=False):
-                    task, error = futures[future], future.exception()
-                    if error is None:
-                        yield task, self._received(task, *future.result())
-                    elif isinstance(error, KilledWorker):
-                        yield (
-                            task,
-                            Crash("the workers of the cluster that had this run died, one after the other"),
-                        )
-                    else:
-                        yield task, error if isinstance(error, Exception) else Crash(repr(error))
+                while left or futures:
+                    room = AHEAD * max(1, sum(client.nthreads().values())) - len(futures)
+                    while left and room > 0:
+                        task = next(tasks, DONE)
+                        left = task is not DONE
+                        if not isinstance(task, tuple):
+                            break
+                        futures[self._submit(client, task, search_path)] = task
+                        room -= 1
+                    for future in _ended(futures):
+                        task = futures.pop(future)
+                        yield task, self._end(task, future)
             finally:
                 client.cancel(list(futures), force=True)
+
+    @staticmethod
+    def _submit(client: Any, task: Task, search_path: ConfigSearchPath) -> Any:
+        key = f"benchbench-{task[1].labels['run_id']}"
+        return client.submit(remote.run, task, search_path, pure=False, key=key)
+
+    def _end(self, task: Task, future: Any) -> Ended | BaseException:
+        from distributed import KilledWorker
+
+        error = future.exception()
+        if error is None:
+            return self._received(task, *future.result())
+        if isinstance(error, KilledWorker):
+            return Crash("the workers of the cluster that had this run died, one after the other")
+        return error if isinstance(error, Exception) else Crash(repr(error))
 
     def _client(self) -> Any:
         from distributed import Client
@@ -92,7 +105,7 @@ class Cluster:
         return client
 
     @staticmethod
-    def _received(task: Task, end: Ended | Exception, files: remote.Files) -> Ended | Exception:
+    def _received(task: Task, end: Ended | BaseException, files: remote.Files) -> Ended | BaseException:
         """Write what is not here yet: on a shared file system the worker has written it."""
         from benchbench.storage.files import write_bytes
         from benchbench.storage.table import append
@@ -106,3 +119,16 @@ class Cluster:
         if isinstance(end, Ended) and end.record is not None:
             append(end.record, place.root)
         return end
+
+
+def _ended(futures: Collection[Any]) -> list[Any]:
+    """Those of the futures that have ended, after a while or as soon as there is one."""
+    from distributed import wait
+
+    if not futures:
+        time.sleep(POLL_S)
+        return []
+    try:
+        return list(cast("Any", wait)(list(futures), timeout=POLL_S, return_when="FIRST_COMPLETED").done)
+    except TimeoutError:
+        return []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from types import TracebackType
 from typing import Self, final
 
@@ -13,7 +13,6 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from benchbench.run import summary
 from benchbench.run.execution import Ended
-from benchbench.sweep.job import Job
 
 
 @final
@@ -29,6 +28,7 @@ class Display:
             BarColumn(20), MofNCompleteColumn(), TextColumn("{task.description}", markup=False),
             TimeRemainingColumn(), console=console, transient=True, redirect_stdout=sys.stdout.isatty(),
         )  # fmt: skip
+        self._waits = False
         self._task = self._bar.add_task("runs", total=runs)
         self._seen = console.is_terminal
 
@@ -47,14 +47,24 @@ class Display:
         if self._seen:
             self._bar.stop()
 
-    def ended(self, job: Job, end: Ended) -> None:
+    def skipped(self) -> None:
+        """Count a run that need not run."""
+        self._bar.update(self._task, advance=1)
+
+    def waits(self, runs: int) -> None:
+        """Say once that the rest is at work elsewhere."""
+        if not self._waits:
+            print(f"waiting for {runs} runs that another sweep into this folder is at", flush=True)
+        self._waits = True
+
+    def ended(self, number: int, overrides: Sequence[str], end: Ended) -> None:
         """Show how a run ended."""
-        combination = " ".join(text for text in job.overrides if text not in self._shared)
+        combination = " ".join(text for text in overrides if text not in self._shared)
         for complaint in end.complaints:
-            where = f"{complaint.kind} (run {job.number}: {combination})"
+            where = f"{complaint.kind} (run {number}: {combination})"
             summary.complain(where, complaint.text, complaint.trace if self._traced else "")
         if end.record is not None and not end.complaints:
-            summary.show_line(job.number, end.record, combination)
+            summary.show_line(number, end.record, combination)
         status = str(end.record["status"]) if end.record else "bad input"
         self._certified += status == "certified"
         self._failures[status] += status != "certified"

@@ -56,8 +56,3 @@ class Job:
     def settings(self) -> Settings:
         """How it is carried out. Raises BadInput."""
         return Settings.of(self.case)
-
-    @property
-    def overrides(self) -> list[str]:
-        """The overrides that make this combination."""
-        return [str(text) for text in self.config.hydra.overrides.task]

@@ -1,129 +1,180 @@
-"""The pool of worker processes, and what the death of one of them means for its run."""
+"""The pool of workers, and what the death of a run or of its keeper means."""
 
 from __future__ import annotations
 
 import os
 import signal
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from concurrent.futures import TimeoutError as Expired
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
-from multiprocessing import context
-from pathlib import Path
+import time
+from collections import Counter, deque
+from multiprocessing import connection, resource_tracker
+from typing import final
 
 from hydra.core.config_search_path import ConfigSearchPath
-from pebble import ProcessExpired, ProcessPool
 
-from benchbench.errors import BenchBenchError, Crash, OutOfMemory, Timeout
-from benchbench.run.execution import Ended, Place
+from benchbench.errors import BadInput, BenchBenchError, Crash, OutOfMemory, Timeout
+from benchbench.run import memory
+from benchbench.run.execution import Ended
 from benchbench.run.settings import Settings
-from benchbench.sweep import worker
-from benchbench.sweep.job import Job
+from benchbench.sweep import processes, worker
+from benchbench.sweep.hand import Hand
+from benchbench.sweep.keeper import Exit
+from benchbench.sweep.task import LOG, Ends, Task, Tasks
 
-POOLS = 3
-"""Pools in a row that may break before any run of theirs ends."""
+STARTS = 3
+"""Keepers in a row that may die before they are ready."""
+LIVES = 2
+"""Keepers that a run may take with it: the first death may have been somebody else's doing."""
 POLL_S = 0.5
-MEMORY_WORDS = ("bad_alloc", "MemoryError", "out of memory", "Cannot allocate memory")
-"""What dying programs print when an allocation failed."""
+ENVIRONMENT = {"OMP_NUM_THREADS": "1", "JE_ARROW_MALLOC_CONF": "background_thread:false"}
+"""Set for keepers, unless the user has: no library shall start threads in a process that forks."""
 
 
-class _Process(context.SpawnProcess):
-    """A worker that is killed at once and with its children, whatever signals it ignores."""
-
-    def terminate(self) -> None:
-        """Kill the process group that the worker leads."""
-        if sys.platform == "win32" or self.pid is None:
-            return self.kill()
-        try:
-            os.killpg(self.pid, signal.SIGKILL)
-        except ProcessLookupError:  # it does not lead a group yet
-            self.kill()
-
-
-class _Context(context.SpawnContext):
-    """Fresh interpreters whose parent is this process: they inherit no threads and end with it."""
-
-    Process = _Process
-
-
-Task = tuple[Job, Place, Settings]
-
-
-def run_all(
-    tasks: Sequence[Task], workers: int, search_path: ConfigSearchPath
-) -> Iterator[tuple[Task, Ended | Exception]]:
+def run_all(tasks: Tasks, search_path: ConfigSearchPath) -> Ends:
     """Run all tasks and give each with its end as soon as it is known: an error if its process died.
 
-    A pool that lost a worker between two runs is made again with what is left.
+    A task is asked for when a worker can soon take it, so they may be made one by one. Raises BadInput.
     """
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    left, failures = dict(enumerate(tasks)), 0
-    while left and failures < POOLS:
-        before = len(left)
-        for number, end in _one_pool(left, workers, search_path):
-            yield left.pop(number), end
-        failures = failures + 1 if len(left) == before else 0
-    for task in left.values():
-        yield task, Crash("the worker processes of the sweep do not start; the messages above may say why")
-
-
-def _one_pool(
-    tasks: Mapping[int, Task], workers: int, search_path: ConfigSearchPath
-) -> Iterator[tuple[int, Ended | Exception]]:
-    """Give the ends of tasks until all are done or the pool is broken."""
-    drawing = any(settings.picture for _, _, settings in tasks.values())
-    with _pool(min(workers, len(tasks)), search_path, drawing) as pool:
-        waiting: dict[Future[Ended], tuple[int, Task]] = {}
-        for number, (job, place, settings) in tasks.items():
-            try:
-                future = pool.schedule(worker.work, args=(job, settings), timeout=settings.hard_limit)
-            except RuntimeError:  # the pool is broken already
-                return
-            waiting[future] = number, (job, place, settings)
-        while waiting and pool.active:
-            for done in wait(waiting, POLL_S, FIRST_COMPLETED).done:
-                number, task = waiting.pop(done)
-                end = _end(done, task)
-                if not isinstance(end, BrokenProcessPool):
-                    yield number, end
-
-
-def _end(future: Future[Ended], task: Task) -> Ended | Exception:
-    _, place, settings = task
+    if sys.platform == "win32":
+        raise BadInput(
+            "-m", "sweeps and limits fork processes, which this system cannot do", "Linux, as in WSL"
+        )
+    for name, value in ENVIRONMENT.items():
+        os.environ.setdefault(name, value)
+    resource_tracker.ensure_running()  # a child of ours that must not be taken for an orphan
+    processes.adopt_orphans()
+    pool = _Pool(tasks, search_path)
     try:
-        return future.result()
-    except Expired:
-        return Timeout(f"killed after its limit of {settings.hard_limit:g} s, see hard_limit")
-    except ProcessExpired as death:
-        return _cause(death, place.folder / worker.LOG, settings)
-    except Exception as error:  # noqa: BLE001  # what the worker's own machinery raised
-        return error
-
-
-@contextmanager
-def _pool(workers: int, search_path: ConfigSearchPath, drawing: bool) -> Iterator[ProcessPool]:
-    about = (search_path, drawing)
-    pool = ProcessPool(workers, initializer=worker.begin, initargs=about, context=_Context())
-    try:
-        yield pool
+        yield from pool.ends()
     finally:
-        pool.stop()  # type: ignore[no-untyped-call]
-        pool.join()
+        pool.close()
 
 
-def _cause(death: ProcessExpired, log: Path, settings: Settings) -> BenchBenchError:
-    """Name what a worker died of."""
-    code = death.exitcode
+@final
+class _Pool:
+    """Hands at work, and tasks that wait for one."""
+
+    def __init__(self, tasks: Tasks, search_path: ConfigSearchPath) -> None:
+        self._tasks, self._search_path = tasks, search_path
+        self._others = processes.descendants([os.getpid()])
+        self._hands: list[Hand] = []
+        self._waiting: deque[Task] = deque()
+        self._deaths: Counter[int] = Counter()  # of keepers, by the number of the run that they had
+        self._failed_starts, self._exhausted = 0, False
+
+    def ends(self) -> Ends:
+        """Give the ends of all tasks."""
+        while True:
+            fetched = self._fetch()
+            self._hand_out()
+            if self._exhausted and not self._waiting and not any(hand.task for hand in self._hands):
+                return
+            speaking = connection.wait([hand.channel for hand in self._hands], 0.0 if fetched else POLL_S)
+            for hand in [hand for hand in self._hands if hand.channel in speaking or hand.overdue]:
+                yield from self._hear(hand)
+            if self._failed_starts == STARTS:
+                yield from self._give_up()
+
+    def close(self) -> None:
+        """Kill what is left, and what was left behind."""
+        for hand in list(self._hands):
+            self._remove(hand)
+
+    @property
+    def _idle(self) -> list[Hand]:
+        return [hand for hand in self._hands if hand.task is None]
+
+    def _fetch(self) -> bool:
+        """Take one more task, if one could be handed out soon; returns whether there was one."""
+        if self._exhausted or len(self._waiting) > len(self._idle):
+            return False
+        try:
+            task = next(self._tasks)
+        except StopIteration:
+            self._exhausted = True
+            return False
+        if task:
+            self._waiting.append(task)
+        return task is not None
+
+    def _hand_out(self) -> None:
+        for hand in self._idle:
+            if hand.ready and self._waiting:
+                hand.take(self._waiting.popleft())
+        wanted = max((settings.workers for _, _, settings in self._waiting), default=0)
+        if len(self._waiting) > len(self._idle) and len(self._hands) < wanted:
+            drawing = any(settings.picture for _, _, settings in self._waiting)
+            self._hands.append(Hand(self._search_path, drawing))
+
+    def _hear(self, hand: Hand) -> Ends:
+        task, said = hand.task, None if hand.overdue else hand.hear()
+        if isinstance(said, Exit) and task:
+            hand.task = None
+            yield task, _end(said, task[2])
+        elif said is None:
+            late, ready = hand.overdue, hand.ready
+            self._remove(hand)
+            self._failed_starts = 0 if ready else self._failed_starts + 1
+            if task:
+                yield from self._bereaved(task, late)
+
+    def _remove(self, hand: Hand) -> None:
+        """Kill it, what is below it, and what a dead one has left to us."""
+        self._hands.remove(hand)
+        hand.close()
+        processes.end_all_below({*self._others, *(hand.pid for hand in self._hands)})
+
+    def _bereaved(self, task: Task, late: bool) -> Ends:
+        """Give the end of a task whose keeper is dead, or let it begin again."""
+        job, _, settings = task
+        self._deaths[job.number] += 1
+        if late:
+            yield task, _too_long(settings)
+        elif self._deaths[job.number] == LIVES:
+            yield (
+                task,
+                Crash(
+                    f"whoever ran it was killed {LIVES} times; a plugin may have killed its parent process"
+                ),
+            )
+        else:
+            self._waiting.appendleft(task)
+
+    def _give_up(self) -> Ends:
+        why = "the worker processes of the sweep do not start; the messages above may say why"
+        for task in self._waiting:
+            yield task, Crash(why)
+        self._waiting.clear()
+        for more in self._tasks:
+            if more:
+                yield more, Crash(why)
+            else:
+                time.sleep(POLL_S)
+        self._exhausted = True
+
+
+def _end(told: Exit, settings: Settings) -> Ended | BenchBenchError:
+    if told.expired:
+        return _too_long(settings)
+    return worker.decoded(told.answer) or _cause(told, settings)
+
+
+def _too_long(settings: Settings) -> Timeout:
+    return Timeout(f"killed after its limit of {settings.hard_limit:g} s, see hard_limit")
+
+
+def _cause(told: Exit, settings: Settings) -> BenchBenchError:
+    """Name what a run died of."""
+    code = told.code
     how = f"the process died of {_signal(-code)}" if code < 0 else f"the process ended with exit code {code}"
-    said = log.read_text(errors="replace") if log.is_file() else ""
-    if any(word in said for word in MEMORY_WORDS):
+    if any(word in told.said for word in memory.WORDS):
         limit = f"{settings.memory_limit_mb:g} MB" if settings.memory_limit_mb else "this machine"
         return OutOfMemory(f"{how} when it needed more memory than {limit} had to give")
     if code == -signal.SIGKILL:
         how += ", sent by somebody else; often the system, when its memory runs out"
-    return Crash(f"{how}; see {log.name} in its folder" if said else how)
+    if code == 0:
+        how += " before it had told its result; a plugin may end it, as os._exit does"
+    return Crash(f"{how}; see {LOG} in its folder" if told.said else how)
 
 
 def _signal(number: int) -> str:

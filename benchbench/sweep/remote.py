@@ -18,14 +18,16 @@ from omegaconf import read_write
 
 from benchbench.errors import Crash
 from benchbench.run.execution import Ended
-from benchbench.sweep.pool import Task, run_all
+from benchbench.sweep import processes
+from benchbench.sweep.pool import run_all
+from benchbench.sweep.task import Task
 
 Files = dict[str, bytes]
 """Contents of a run's files by their path below its folder."""
 _PROGRAM = "from benchbench.sweep.remote import main; main()"
 
 
-def run(task: Task, search_path: ConfigSearchPath) -> tuple[Ended | Exception, Files]:
+def run(task: Task, search_path: ConfigSearchPath) -> tuple[Ended | BaseException, Files]:
     """Carry out one task and return its end and its files; called by a worker of the cluster.
 
     It runs where the sweep was started if that folder is here too, and otherwise in one that is removed.
@@ -48,19 +50,17 @@ def run(task: Task, search_path: ConfigSearchPath) -> tuple[Ended | Exception, F
             said = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
             how = f"ended with exit code {done.returncode}"
             return Crash(f"the run's process on the cluster {how}: {''.join(said)}"), {}
-        end: Ended | Exception = pickle.loads(done.stdout)
+        end: Ended | BaseException = pickle.loads(done.stdout)
         return end, _files(folder if below is None else Path(cwd, below))
 
 
 def main() -> None:
     """Read a task from standard input, carry it out, write its end to standard output."""
-    from benchbench.sweep.worker import end_with_parent_process
-
-    end_with_parent_process()
+    processes.die_with_parent()
     answer = os.dup(1)
     os.dup2(2, 1)  # nothing else may write there
     task, search_path = pickle.load(sys.stdin.buffer)
-    ends = [end for _, end in run_all([task], 1, search_path)]
+    ends = [end for _, end in run_all(iter([task]), search_path)]
     with open(answer, "wb") as out:
         pickle.dump(ends[0], out)
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 from benchbench.run.execution import BAD_INPUT, CERTIFIED, NOT_CERTIFIED
 from benchbench.run.settings import Rerun
@@ -20,28 +20,41 @@ REFUSED = (Status.BAD_INPUT, Status.INCOMPATIBLE, Status.UNAVAILABLE)
 """Statuses of runs that never began; skipped, they still end the program with exit code 2."""
 
 
-def earlier(root: Path, rerun: Rerun, repeats: int) -> dict[str, int]:
-    """Configuration hashes that need not run again with this version of the code, and their exit codes.
+@final
+class Earlier:
+    """Runs that need not run again with this version of the code; the table is read when first asked.
 
     A run that was timed fewer than `repeats` times counts as missing, unless it died before it was timed.
     """
-    if rerun == "all":
-        return {}
-    from benchbench.storage.table import read
 
-    rows = read(root)
-    code = ("benchbench_version", "git_commit", "git_dirty")
-    now = _code()
-    found: dict[str, int] = {}
-    for row in rows[["config_hash", "status", "certified", "repeats", *code]].to_dict("records"):
-        if row["status"] == Status.PRUNED:
-            continue
-        same = all(_plain(row[name]) == now[name] for name in code)
-        timed = row["status"] not in ENDED_ITSELF or _count(row["repeats"]) >= repeats
-        if same and timed and (rerun == "missing" or row["status"] in ENDED_ITSELF):
-            key = str(row["config_hash"])
-            found[key] = min(found.get(key, BAD_INPUT), _exit_code(row))
-    return found
+    def __init__(self, root: Path, rerun: Rerun, repeats: int) -> None:
+        """Take the folder of results and what the user asks for."""
+        self._root, self._rerun, self._repeats = root, rerun, repeats
+        self._seen: set[str] = set()
+        self._codes: dict[str, int] = {}
+        self._code = _code()
+
+    def exit_code(self, config_hash: str) -> int | None:
+        """Exit code of the run with this configuration, None if there is none to count."""
+        return self._codes.get(config_hash)
+
+    def read(self) -> None:
+        """Read the rows that were added since the last time."""
+        from benchbench.storage.table import added
+
+        for row in added(
+            self._root, self._seen, ("config_hash", "status", "certified", "repeats", *self._code)
+        ):
+            if self._counts(row):
+                key = str(row["config_hash"])
+                self._codes[key] = min(self._codes.get(key, BAD_INPUT), _exit_code(row))
+
+    def _counts(self, row: Mapping[str, Any]) -> bool:
+        if row["status"] == Status.PRUNED or any(row[name] != now for name, now in self._code.items()):
+            return False
+        if row["status"] in ENDED_ITSELF:
+            return (row["repeats"] or 1) >= self._repeats
+        return self._rerun == "missing"
 
 
 def _code() -> dict[str, Any]:
@@ -50,20 +63,7 @@ def _code() -> dict[str, Any]:
     return {"benchbench_version": version, "git_commit": commit, "git_dirty": dirty}
 
 
-def _exit_code(row: Mapping[Hashable, Any]) -> int:
-    if _plain(row["certified"]) is True:
+def _exit_code(row: Mapping[str, Any]) -> int:
+    if row["certified"] is True:
         return CERTIFIED
     return BAD_INPUT if row["status"] in REFUSED else NOT_CERTIFIED
-
-
-def _count(value: Any) -> int:
-    import pandas as pd
-
-    return 1 if pd.isna(value) else int(value)
-
-
-def _plain(value: Any) -> Any:
-    """A cell without pandas' ways to say that it is empty."""
-    import pandas as pd
-
-    return None if pd.isna(value) else value if isinstance(value, str) else bool(value)

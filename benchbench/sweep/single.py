@@ -38,5 +38,5 @@ def isolated(cfg: DictConfig) -> Ended:
     threading.Thread(target=import_module, args=("benchbench.storage.table",), daemon=True).start()
     note = f"running in a process of its own, which is killed after {settings.hard_limit:g} s"
     with Console(stderr=True).status(note, spinner="line"):
-        ((_, told),) = run_all([(job, place, settings)], 1, search_path)
+        ((_, told),) = run_all(iter([(job, place, settings)]), search_path)
     return told if isinstance(told, Ended) else failure(told, cfg, place, peak_memory_mb=None)

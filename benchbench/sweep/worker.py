@@ -1,19 +1,18 @@
-"""What happens in a worker process: a warm interpreter that carries out one run after the other."""
+"""What the process of a run does: it begins as a copy of its keeper, carries out one run, answers and ends."""
 
 from __future__ import annotations
 
 import contextlib
-import ctypes
 import faulthandler
+import json
 import os
+import pickle
 import signal
 import sys
-import threading
-from collections.abc import Iterator
+import traceback
 from importlib import import_module
-from multiprocessing import connection, parent_process
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from hydra import version
 from hydra._internal.callbacks import Callbacks
@@ -24,30 +23,37 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.core.plugins import Plugins
 from hydra.core.utils import run_job
 from hydra.types import HydraContext
+from omegaconf import DictConfig
 
-from benchbench.run.execution import Ended, execute
+from benchbench.errors import OutOfMemory
+from benchbench.run import memory
+from benchbench.run.execution import (
+    BAD_INPUT,
+    CERTIFIED,
+    NOT_CERTIFIED,
+    Complaint,
+    Ended,
+    Place,
+    execute,
+    failure,
+)
 from benchbench.run.settings import Settings
+from benchbench.storage.schema import make_record
+from benchbench.sweep import processes
 from benchbench.sweep.job import Job
 
 WRITERS = ("benchbench.storage.recording", "benchbench.storage.table")
 PICTURE = "benchbench.report.picture"
 """Modules that a run needs once it has a plan."""
-LOG = "output.log"
-"""File in a run's folder with what native code printed; only if there was any."""
-_PR_SET_PDEATHSIG = 1
+SAID_NOTHING = 70
+"""Exit code of a run's process whose own machinery failed; its log has the traceback."""
+
+_exit = os._exit  # whatever a plugin makes of it
 
 
-def begin(search_path: ConfigSearchPath, picture: bool = True) -> None:
-    """Make this process a worker: it ends with its parent, leads its own group, and knows Hydra's search path.
-
-    picture: whether any of its runs will draw.
-    """
-    if hasattr(os, "setpgid"):
-        os.setpgid(0, 0)  # killed with its compilers; Ctrl-C is for the parent
-    _end_with_parent()
-    for module in (
-        (*WRITERS, PICTURE) if picture else WRITERS
-    ):  # not at the top: the parent, and whoever refuses bad input, does without
+def begin(search_path: ConfigSearchPath, picture: bool) -> None:
+    """Import what every run needs and make Hydra's search path known; `picture`: whether runs will draw."""
+    for module in (*WRITERS, PICTURE)[: None if picture else -1]:  # not at the top: the parent, and whoever refuses bad input, does without
         import_module(module)
     version.setbase("1.3")
     Plugins.instance()  # finds the kinds of places that configuration comes from
@@ -55,70 +61,83 @@ def begin(search_path: ConfigSearchPath, picture: bool = True) -> None:
     GlobalHydra.instance().initialize(Hydra("benchbench", ConfigLoaderImpl(config_search_path=search_path)))
 
 
-def work(job: Job, settings: Settings) -> Ended:
-    """Carry out one run."""
-    context = HydraContext(GlobalHydra.instance().config_loader(), Callbacks())
-    folder = Path(job.config.hydra.runtime.output_dir)
-    folder.mkdir(parents=True, exist_ok=True)
-    folder_key, sub_key = ("hydra.sweep.dir", "hydra.sweep.subdir") if job.swept else ("hydra.run.dir", None)
-    with _output_in(folder / LOG), _memory_limit(settings.memory_limit_mb):
-        done = run_job(execute, job.config, folder_key, sub_key, context)
-    return done.return_value
-
-
-def end_with_parent_process() -> None:
-    """Ask Linux to kill this process when its parent dies, also while native code computes."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-
-
-def _end_with_parent() -> None:
-    parent = parent_process()
-    if parent is None:
-        return
-    end_with_parent_process()
-    sentinel: Any = parent.sentinel
-
-    def watch() -> None:
-        connection.wait([sentinel])
-        os._exit(1)
-
-    if connection.wait([sentinel], 0):
-        os._exit(1)
-    threading.Thread(target=watch, daemon=True).start()
-
-
-@contextlib.contextmanager
-def _output_in(log: Path) -> Iterator[None]:
-    """Send what the process prints, native code included, to a file; an empty one is removed."""
-    saved = os.dup(1), os.dup(2)
-    with log.open("wb") as file:
-        os.dup2(file.fileno(), 1)
-        os.dup2(file.fileno(), 2)
-        faulthandler.enable(2)
-        try:
-            yield
-        finally:
-            sys.stdout.flush()
-            sys.stderr.flush()
-            for number, old in zip((1, 2), saved, strict=True):
-                os.dup2(old, number)
-                os.close(old)
-    if log.is_file() and not log.stat().st_size:
-        log.unlink()
-
-
-@contextlib.contextmanager
-def _memory_limit(megabytes: float | None) -> Iterator[None]:
-    """Limit private writable memory; not the address space, of which CasADi maps much more than it uses."""
-    if megabytes is None or sys.platform == "win32":
-        yield
-        return
-    import resource
-
-    soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    resource.setrlimit(resource.RLIMIT_DATA, (int(megabytes * 1e6), hard))
+def carry_out(content: bytes, output: int, answer: int) -> NoReturn:
+    """Be the process of a run: it prints to `output`, writes its answer to `answer` and ends."""
+    me, code = os.getpid(), SAID_NOTHING
     try:
-        yield
+        _settle(output)
+        known = set(sys.modules)
+        job, settings = pickle.loads(content)
+        processes.stand_in(job.config.hydra.runtime.cwd)
+        end = work(job, settings)
+        if os.getpid() == me:  # and not a copy that a plugin has made
+            _write(answer, encoded(end, sorted(set(sys.modules) - known)))
+            code = 0
+    except BaseException:  # noqa: BLE001  # it must not become a second keeper
+        traceback.print_exc()
     finally:
-        resource.setrlimit(resource.RLIMIT_DATA, (soft, hard))
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(BaseException):  # closed, or a plugin's own
+                stream.flush()
+        _exit(code)
+
+
+def work(job: Job, settings: Settings) -> Ended:
+    """Carry out one run in this process, within its limit of memory."""
+    context = HydraContext(GlobalHydra.instance().config_loader(), Callbacks())
+    Path(job.config.hydra.runtime.output_dir).mkdir(parents=True, exist_ok=True)
+    folder_key, sub_key = ("hydra.sweep.dir", "hydra.sweep.subdir") if job.swept else ("hydra.run.dir", None)
+
+    def limited(cfg: DictConfig) -> Ended:
+        try:
+            memory.limit(settings.memory_limit_mb)
+            return execute(cfg)
+        except (
+            OutOfMemory,
+            KeyboardInterrupt,
+        ) as error:  # the latter is a plugin's: Ctrl-C does not come here
+            return failure(error, cfg, Place.of(cfg))
+
+    return run_job(limited, job.config, folder_key, sub_key, context).return_value
+
+
+def encoded(end: Ended, modules: list[str]) -> bytes:
+    """Write an end, and the names of the modules that it took, as JSON."""
+    complaints = [(c.kind, c.text, c.trace) for c in end.complaints]
+    paths = {name: str(path) for name, path in end.paths.items()}
+    told = {"code": end.code, "record": end.record, "paths": paths, "complaints": complaints}
+    return json.dumps({**told, "modules": modules}).encode()
+
+
+def decoded(answer: bytes) -> Ended | None:
+    """Read an end; None for what is none, as a plugin may have written."""
+    try:
+        told: Any = json.loads(answer)
+        complaints = tuple(Complaint(*map(str, complaint)) for complaint in told["complaints"])
+        paths = {str(name): Path(path) for name, path in told["paths"].items()}
+        record = None if told["record"] is None else make_record(**told["record"])
+        code = (CERTIFIED, NOT_CERTIFIED, BAD_INPUT).index(told["code"])
+        return Ended(code, record, paths, complaints)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return None
+
+
+def _settle(output: int) -> None:
+    """Lead a group of its own without a terminal, die with the keeper, print where the keeper reads."""
+    os.setsid()
+    processes.die_with_parent()
+    signal.set_wakeup_fd(-1)
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    for source, place in ((nothing, 0), (output, 1), (output, 2)):
+        os.dup2(source, place)
+    os.close(nothing)
+    os.close(output)
+    faulthandler.enable(2)
+
+
+def _write(descriptor: int, data: bytes) -> None:
+    while data:
+        data = data[os.write(descriptor, data) :]

@@ -1,0 +1,60 @@
+"""Which runs are at work just now, so that sweeps that write into the same folder share the work."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import final
+
+FILE = ".claims"
+"""An empty file in the folder of results; each run has one of its bytes locked while it is at work."""
+
+
+@final
+class Claims:
+    """Locks on the bytes of a file; the system takes them back when this process ends, however it does."""
+
+    def __init__(self, root: Path) -> None:
+        """Take the folder of results; the file is made with the first claim."""
+        self._path, self._file, self._held = root / FILE, -1, set[str]()
+
+    def take(self, name: str) -> bool:
+        """Claim a run by its configuration hash; False if it is claimed, here or by another process.
+
+        Where the file system knows no locks, each process has its own claims only.
+        """
+        if name in self._held:
+            return False
+        if not self._lock(name):
+            return False
+        self._held.add(name)
+        return True
+
+    def release(self, name: str) -> None:
+        """Give a claim back."""
+        if name in self._held:
+            self._held.remove(name)
+            _locked(self._file, name, False)
+
+    def _lock(self, name: str) -> bool:
+        try:
+            if self._file < 0:
+                self._path.parent.mkdir(parents=True, exist_ok=True)
+                self._file = os.open(self._path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        except OSError:
+            return True
+        return _locked(self._file, name, True)
+
+
+def _locked(file: int, name: str, wanted: bool) -> bool:
+    """Lock or unlock the byte whose place is a hash; False if somebody else has it locked."""
+    import fcntl
+
+    operation = fcntl.LOCK_EX | fcntl.LOCK_NB if wanted else fcntl.LOCK_UN
+    try:
+        fcntl.lockf(file, operation, 1, int(name, 16) >> 4)
+    except (BlockingIOError, PermissionError):
+        return False
+    except OSError:
+        return True
+    return True
