@@ -71,7 +71,9 @@ class Agenda:
         except EXPECTED as error:
             if job is None and combination is self._combinations[0]:
                 raise
-            self._listener.refused(combination, failure(error, job.case if job else OmegaConf.create(), place))
+            self._listener.refused(
+                combination, failure(error, job.case if job else OmegaConf.create(), place)
+            )
             return None
 
     def _ours(self, combination: Combination, place: Place, settings: Settings) -> bool:

@@ -49,7 +49,9 @@ class Hand:
         """Give it a task."""
         job, _, settings = self.task = task
         self._limit = time.monotonic() + settings.hard_limit + GRACE_S
-        folder = Path(str(job.config.hydra.runtime.output_dir))  # on a cluster another one than the place says
+        folder = Path(
+            str(job.config.hydra.runtime.output_dir)
+        )  # on a cluster another one than the place says
         request = Request(pickle.dumps((job, settings)), folder / LOG, settings.hard_limit)
         try:
             self.channel.send(request)

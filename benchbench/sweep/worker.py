@@ -53,7 +53,9 @@ _exit = os._exit  # whatever a plugin makes of it
 
 def begin(search_path: ConfigSearchPath, picture: bool) -> None:
     """Import what every run needs and make Hydra's search path known; `picture`: whether runs will draw."""
-    for module in (*WRITERS, PICTURE)[: None if picture else -1]:  # not at the top: the parent, and whoever refuses bad input, does without
+    for module in (*WRITERS, PICTURE)[
+        : None if picture else -1
+    ]:  # not at the top: the parent, and whoever refuses bad input, does without
         import_module(module)
     version.setbase("1.3")
     Plugins.instance()  # finds the kinds of places that configuration comes from
