@@ -12,7 +12,7 @@ from benchbench.analysis.costs import by_step, by_work, comparable, cost_matrix,
 from benchbench.analysis.means import shifted_geometric_mean, three_means
 from benchbench.analysis.naming import flatten, name_runs
 from benchbench.analysis.profiles import data_profile, performance_profile
-from benchbench.analysis.wilson import wilson
+from benchbench.analysis.wilson import Rate, wilson
 
 INF = np.inf
 
@@ -34,12 +34,21 @@ def test_wilson_intervals(successes: int, runs: int, low: float, high: float) ->
     assert (rate.low + rate.high) / 2 == pytest.approx(middle, abs=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("confidence", "z"), [(0.9, 1.6448536270), (0.95, 1.9599639845), (0.99, 2.5758293035)]
+)
+def test_wilson_by_its_formula(confidence: float, z: float) -> None:
+    rate, p = wilson(3, 4, confidence), 0.75
+    half = z * np.sqrt(p * (1 - p) / 4 + z**2 / 64) / (1 + z**2 / 4)
+    assert (rate.successes, rate.runs, rate.rate) == (3, 4, p)
+    assert (rate.high - rate.low) / 2 == pytest.approx(half, abs=1e-9)
+
+
 def test_wilson_of_nothing_knows_nothing() -> None:
-    rate = wilson(0, 0)
-    assert (rate.rate, rate.low, rate.high) == (None, 0.0, 1.0)
+    assert wilson(0, 0) == Rate(0, 0, None, 0.0, 1.0)
 
 
-@pytest.mark.parametrize("count", [(-1, 3), (4, 3)])
+@pytest.mark.parametrize("count", [(-1, 3), (4, 3), (1, 0)])
 def test_wilson_refuses_impossible_counts(count: tuple[int, int]) -> None:
     with pytest.raises(ValueError, match="successes"):
         wilson(*count)

@@ -13,7 +13,7 @@ from program import assert_refused, told
 
 from benchbench.errors import BadInput
 from benchbench.regression import baseline
-from benchbench.regression.compare import compare
+from benchbench.regression.compare import Change, compare
 from benchbench.regression.matrix import Gates, Matrix
 
 CASE = "[+scenario=static, strategy=phases, scenario.intervals=30]"
@@ -90,6 +90,90 @@ def test_gains_are_told() -> None:
     now = WAS | {"travel_time_s": 1.9, "ratios": [0.4, 0.41, 0.4, 0.39, 0.42]}
     better = [change.what for change in compare("case", was, now, Gates()) if change.verdict == "better"]
     assert better == ["status", "travel_time_s", "solve / reference"]
+
+
+def changes(was: dict[str, Any], now: dict[str, Any], **gates: float) -> dict[str, Change]:
+    found = compare("a case", WAS | was, WAS | was | now, Gates(**gates))
+    assert {change.case for change in found} == {"a case"}
+    return {change.what: change for change in found}
+
+
+def test_every_line_tells_what_was_and_is() -> None:
+    now = {"travel_time_s": 2.005, "iterations": 110, "ratios": [1.1, 1.2, 1.3, 1.15, 1.25]}
+    found = changes({}, now)
+    told = {what: (c.was, c.now, c.verdict) for what, c in found.items()}
+    assert told == {
+        "status": ("certified", "certified", "same"), "travel_time_s": ("2", "2.005", "same"),
+        "objective": ("2.1", "2.1", "same"), "iterations": ("100", "110", "same"), "evaluations": ("500", "500", "same"),
+        "solve / reference": ("1.000", "1.200", "same"),
+    }  # fmt: skip
+    moved = {what: c.change for what, c in found.items() if c.moved}
+    assert moved == pytest.approx({"travel_time_s": 0.0025, "iterations": 0.1, "solve / reference": 0.2})
+    assert (found["status"].change, found["objective"].change) == (None, 0.0)
+    assert "+0.5%" in found["travel_time_s"].note and "+30.0%" in found["iterations"].note
+    assert "factor 1.5 " in found["solve / reference"].note
+    lost = changes({}, {"status": "infeasible", "certified": False})["status"]
+    assert (lost.was, lost.now, lost.change, lost.moved) == ("certified", "infeasible", None, True)
+
+
+@pytest.mark.parametrize(
+    ("what", "old", "new", "verdict", "change"),
+    [
+        ("objective", 200.0, 201.0, "same", 0.005),
+        ("objective", 200.0, 201.01, "WORSE", 0.00505),
+        ("objective", 200.0, 199.0, "same", -0.005),
+        ("objective", 200.0, 198.99, "better", -0.00505),
+        ("objective", -200.0, -199.0, "same", 0.005),
+        ("objective", -200.0, -190.0, "WORSE", 0.05),
+        ("objective", -200.0, -210.0, "better", -0.05),
+        ("objective", 0.0, 0.0, "same", None),
+        ("objective", 0.0, 0.001, "WORSE", None),
+        ("objective", 0.0, -0.001, "better", None),
+        ("iterations", 100, 133, "same", 0.33),
+        ("iterations", 100, 134, "WORSE", 0.34),
+        ("iterations", 100, 67, "same", -0.33),
+        ("iterations", 100, 66, "better", -0.34),
+        ("iterations", 1, 4, "same", 3.0),
+        ("evaluations", 500, 665, "same", 0.33),
+        ("evaluations", 500, 666, "WORSE", 0.332),
+        ("evaluations", 500, 334, "better", -0.332),
+        ("travel_time_s", None, None, "same", None),
+        ("travel_time_s", None, 2.0, "better", None),
+        ("travel_time_s", 2.0, None, "WORSE", None),
+    ],
+)
+def test_a_gate_opens_at_its_share_and_no_sooner(
+    what: str, old: float | None, new: float | None, verdict: str, change: float | None
+) -> None:
+    """Of what it was, without its sign; counts may rise by 3 iterations and 15 evaluations besides."""
+    found = changes({what: old}, {what: new})[what]
+    assert found.verdict == verdict
+    assert found.change == (None if change is None else pytest.approx(change))
+    spoken = ["none" if number is None else f"{number:g}" for number in (old, new)]
+    assert [found.was, found.now] == spoken
+    assert found.moved == (old != new)
+
+
+@pytest.mark.parametrize(
+    ("factor", "gates", "verdict"),
+    [
+        (1.4, {}, "same"),
+        (1.6, {}, "WORSE"),
+        (1.6, {"solve_factor": 1.7}, "same"),
+        (1.6, {"confidence": 0.999}, "same"),  # five runs of each cannot tell so surely
+        (0.7, {}, "same"),
+        (0.6, {}, "better"),
+        (0.6, {"solve_factor": 1.8}, "same"),
+        (0.6, {"confidence": 0.999}, "same"),
+    ],
+)
+def test_solve_time_is_compared_by_its_ranks(factor: float, gates: dict[str, float], verdict: str) -> None:
+    """All of five above all of five others has probability 1 / 252 by chance."""
+    now = [factor * ratio for ratio in WAS["ratios"]]
+    found = changes({}, {"ratios": now}, **gates)["solve / reference"]
+    assert found.verdict == verdict
+    assert found.change == pytest.approx(factor - 1.0)
+    assert f"p = {1 / 252 if factor == 1.6 and 'solve_factor' not in gates else 1:.2g} " in found.note
 
 
 @pytest.mark.parametrize(
