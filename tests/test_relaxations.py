@@ -19,7 +19,7 @@ from benchbench.mpcc.problem import Mpcc, Pair, PairKind, Variable, block, evalu
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import Solved, homotopy
 from benchbench.nlp.ledger import Ledger
-from benchbench.nlp.relaxation import relax, smooth
+from benchbench.nlp.relaxation import Relaxation, Relaxed, Unknown, relax, smooth
 from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
 from benchbench.ocp.plan import Plan
 from benchbench.pipeline import run
@@ -180,6 +180,42 @@ def test_pairs_with_one_name_get_unknowns_of_their_own() -> None:
     for name in ("kadrani", "augmented_lagrangian"):
         sizes = {v.name: v.size for v in relax(twice, case(name).relaxation).variables}
         assert sizes["touch_slack"] == sizes["touch_1_slack"] == 2
+
+
+@final
+@dataclass(frozen=True)
+class Told(Relaxation):
+    """Tells the limit of each pair in a row, and guesses its unknowns out of their bounds."""
+
+    schedule: tuple[float, ...] = (1.0,)
+    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+
+    def relax(
+        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
+    ) -> Relaxed:
+        free, held = ca.SX.sym("free"), ca.SX.sym("held")
+        unknowns = (Unknown(free, -1.0, 2.0, 10 * g), Unknown(held, -3.0, 4.0, 10 * g, 10 * h))
+        return Relaxed(ca.SX(limit or 0.0), (0.0,), (0.0,), unknowns=unknowns, signs=False)
+
+
+def test_every_scalar_pair_has_its_own_limit() -> None:
+    mpcc = held_away(1.0)
+    pair = replace(mpcc.pairs[0], limit=(3.0, 5.0))
+    relaxed = relax(replace(mpcc, pairs=(pair,)), Told())
+    np.testing.assert_array_equal(evaluate(relaxed.constraints[0], relaxed, relaxed.guess), [[3.0, 5.0]])
+
+
+def test_guesses_of_new_unknowns_stay_in_their_bounds() -> None:
+    """G = 0.5 and -0.4: ten times that is out on both sides; what is held is held at the bound."""
+    mpcc = held_away(1.0).start_from({"x": np.array([0.5, -0.4])})
+    relaxed = {v.name: v for v in relax(mpcc, Told()).variables}
+    slack, held = relaxed["touch_slack"], relaxed["touch_held"]
+    assert (slack.guess.tolist(), slack.lower.tolist(), slack.upper.tolist()) == (
+        [[2, -1]],
+        [[-1, -1]],
+        [[2, 2]],
+    )
+    assert held.guess.tolist() == held.lower.tolist() == held.upper.tolist() == [[4, -3]]
 
 
 def test_elastic_shares_one_unknown_and_one_cost_over_all_pairs() -> None:

@@ -50,7 +50,10 @@ def test_bounds_and_constraints_by_name() -> None:
     assert found.constraints == {"sum": 4.5}
     assert found.max_violation == 4.5
     assert found.worst_constraint == "sum"
-    assert residuals(problem(), point((0, 0), (0, -7), (0, 0))).worst_constraint == "bounds"
+    below = residuals(problem(), point((0, 0), (0, -7), (0, 0)))
+    assert (below.worst_constraint, below.bounds, below.constraints) == ("bounds", 2.0, {"sum": 0.0})
+    inside = residuals(problem(), point((-4, 4), (4, -4), (-5, 5)))
+    assert (inside.bounds, inside.constraints) == (0.0, {"sum": 0.0})
 
 
 def test_blocks_of_one_name_are_taken_together() -> None:
@@ -148,6 +151,16 @@ def test_nan_is_never_the_best(row: int) -> None:
     found = residuals(problem(), x.ravel())
     assert np.isnan(found.max_violation)
     assert np.isnan(found.max_complementarity)
+
+
+def test_a_diverged_point_has_infinite_residuals() -> None:
+    """And no warning: solvers that diverge are no fault of the program."""
+    far = residuals(problem(), point((1e200, 1e200), (0, 0), (0, 0)))
+    assert far.max_violation > 1e199 and far.max_product == np.inf
+    unbounded = Variable("ab", np.full((3, 2), -np.inf), np.full((3, 2), np.inf), np.zeros((3, 2)))
+    nowhere = replace(problem(), variables=(unbounded,))
+    for x in (np.inf, -np.inf):
+        assert not np.isfinite(residuals(nowhere, point((x, 0), (0, 0), (0, 0))).max_violation)
 
 
 def test_a_function_that_fails_only_inside_is_seen() -> None:
