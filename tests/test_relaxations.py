@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import final
+from typing import ClassVar, final
 
 import casadi as ca
 import numpy as np
@@ -97,9 +97,22 @@ def test_the_relaxed_set(name: str, kind: PairKind, sigma: float) -> None:
     assert 50 < wanted.sum() < len(wanted) - 50
 
 
+@final
+@dataclass(frozen=True)
+class Products(Relaxation):
+    """G H <= sigma, for complementarity pairs only."""
+
+    schedule: tuple[float, ...] = (1.0,)
+
+    def relax(
+        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
+    ) -> Relaxed:
+        return Relaxed(g * h - sigma, (-np.inf,), (0.0,))
+
+
 def test_the_slack_form_of_a_vanishing_pair() -> None:
     """0 <= G, s >= H, s >= 0, G s <= sigma: with the smallest slack the set of the pair, with a smaller one nothing."""
-    sigma, relaxation = 0.5, replace(case("scholtes").relaxation, kinds=("complementarity",))  # type: ignore[type-var]
+    sigma, relaxation = 0.5, Products()
     relaxed = relax(points("vanishing"), relaxation)
     values = relaxed.split(relaxed.guess)
     (g, h), slack = values["x"].T, values["touch_slack"][:, 0]
@@ -188,7 +201,7 @@ class Told(Relaxation):
     """Tells the limit of each pair in a row, and guesses its unknowns out of their bounds."""
 
     schedule: tuple[float, ...] = (1.0,)
-    kinds: tuple[PairKind, ...] = ("complementarity", "vanishing")
+    kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
     def relax(
         self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
