@@ -21,8 +21,8 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.limits import Limits
 from benchbench.mpcc.residuals import Residuals
-from benchbench.ocp.plan import Plan
 from benchbench.ocp.handover import Handover
+from benchbench.ocp.plan import Plan
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position
 from benchbench_plugins.contacts.velocity import Velocity
@@ -65,13 +65,14 @@ def judged(
 CHECKS = {
     **{f"finite_{name}": (0.0, "1", advice.RESTART) for name in ("time", "configuration", "velocity", "inputs", "progress")},
     "time": (0.0, "s", advice.RESTART),
-    "residual": (1e-6, "1", advice.SOLVE), "complementarity": (1e-6, "1", advice.SHARPEN),
+    "finite_cost": (0.0, "1", advice.SOLVE), "residual": (1e-6, "1", advice.SOLVE), "complementarity": (1e-6, "1", advice.SHARPEN),
     "complementarity_sign": (1e-6, "1", advice.SHARPEN), "complementarity_product": (1e-5, "1", advice.SHARPEN),
     "planned_start": (1e-6, "m", advice.ACCURACY), "planned_start_rest": (1e-6, "m/s", advice.ACCURACY),
     "planned_end": (1e-6, "m", advice.ACCURACY), "planned_end_rest": (1e-6, "m/s", advice.ACCURACY),
     "planned_configuration": (1e-6, "m", advice.ACCURACY), "planned_velocity": (1e-6, "m/s", advice.ACCURACY),
     "planned_input": (1e-6, "N", advice.ACCURACY),
     "defect_position": (0.005, "m", advice.FINER), "defect_angle": (0.02, "rad", advice.FINER),
+    "defect_velocity": (0.01, "m/s", advice.FINER), "defect_rate": (0.05, "rad/s", advice.FINER),
     "contact_node_position": (0.020001, "m", advice.SHARPEN_OR_GUESS),
     "contact_node_velocity": (0.010001, "m/s", advice.SHARPEN_OR_GUESS),
     "contact_node_heading": (0.100001, "rad", advice.SHARPEN_OR_GUESS),
@@ -253,7 +254,7 @@ def test_rewards_are_added_up() -> None:
 
 def test_a_plan_without_claims_claims_what_it_holds() -> None:
     """At 50 mm/s nodes 4, 5, 6 are within 20 mm; each stop has its own."""
-    plan, plant = hover(), MODEL.plant()
+    plan, plant = hover(*range(N + 1), progress=np.nan), MODEL.plant()
     one = claimed(plan, task((0.05, 0, 0), contacts=NEAR).itinerary, plant, LIMITS)
     np.testing.assert_array_equal(one.progress, np.isin(np.arange(N + 1), [4, 5, 6]))
     assert one.stop_names == ("target",)
@@ -267,10 +268,8 @@ def test_a_plan_without_claims_claims_what_it_holds() -> None:
 
 def test_claims_are_left_alone() -> None:
     plant = MODEL.plant()
-    plan = hover(1)
-    assert claimed(plan, task(contacts=NEAR).itinerary, plant, LIMITS) is plan
-    plan = hover()
-    assert claimed(plan, task(contacts={}).itinerary, plant, LIMITS) is plan
+    for plan in (hover(1), hover()):
+        assert claimed(plan, task(contacts=NEAR).itinerary, plant, LIMITS) is plan
 
 
 def test_a_plan_for_another_vehicle_is_refused() -> None:

@@ -89,6 +89,7 @@ CHECKS = {
     "planned_quaternion": (1e-6, "1", advice.ACCURACY), "planned_configuration": (1e-6, "m", advice.ACCURACY),
     "planned_velocity": (1e-6, "m/s", advice.ACCURACY), "planned_input": (1e-6, "N", advice.ACCURACY),
     "defect_position": (1e-3, "m", advice.FINER), "defect_angle": (1e-2, "rad", advice.FINER),
+    "defect_velocity": (0.01, "m/s", advice.FINER), "defect_rate": (0.05, "rad/s", advice.FINER),
     "gate": (0.01, "m", advice.GATE), "gate_speed": (0.05, "m/s", advice.GATE), "gate_heading": (0.01, "rad", advice.GATE),
     "segment": (0.01, "m", advice.FINER), "replay_position": (0.01, "m", advice.FINER),
     "replay_rate": (1.01, "times its limit", advice.RATE), "replay_end": (0.31, "m", advice.FINER),
