@@ -18,6 +18,7 @@ from benchbench import registry
 from benchbench.errors import BadInput
 from benchbench.nlp.availability import Availability, works
 from benchbench.nlp.solver import Accuracy, Setup
+from benchbench.ocp.kinds import OWN as OWN_KINDS
 from benchbench.run import config
 
 OWN = "benchbench"
@@ -58,6 +59,7 @@ def _everything() -> Iterator[str]:
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
         found = {family: _family(family) for family in (*config.FAMILIES, "peer")}
     found |= {family: _registered(family) for family in ("contacts", "motions")}
+    found["scenarios"] = [*_own_kinds(), *_registered("scenarios")]
     widths = tuple(
         max(len(getattr(row, k)) for rows in found.values() for row in rows) for k in ("name", "origin")
     )
@@ -89,6 +91,12 @@ def _registered(family: str) -> list[Row]:
         Row(p.name, Availability(not p.error, p.error), _distribution(p.distribution), p.summary)
         for p in registry.installed(family)
     ]
+
+
+def _own_kinds() -> list[Row]:
+    """Kinds of scenarios that are part of the core."""
+    texts = {name: (kind.__doc__ or "").partition("\n")[0] for name, kind in OWN_KINDS.items()}
+    return [Row(name, Availability(True), "built-in", text) for name, text in texts.items()]
 
 
 def _options(case: Any) -> Iterator[str]:

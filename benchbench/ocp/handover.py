@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any, Self, final
+from typing import Annotated, Any, ClassVar, Self, final
 
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf, model_validator
 
@@ -52,6 +52,8 @@ class Handover(Scenario):
     intervals        N, number of intervals of the time grid
     contact_margin   share of the limits of contacts that the planner leaves unused, by contact name
     """
+
+    planning: ClassVar[tuple[str, ...]] = (*Scenario.planning, "contact_guess", "contact_margin")
 
     target: InstanceOf[Motion] | None = None
     stops: dict[str, StopFields] = Field(default_factory=dict)

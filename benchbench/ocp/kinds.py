@@ -35,7 +35,15 @@ def kind_of(values: Mapping[str, Any]) -> type[Scenario]:
     known = kinds()
     if (name := values.get(FIELD)) is not None:
         if name not in known:
-            raise BadInput(f"scenario.{FIELD}", f"'{name}' is not installed", ", ".join(sorted(known)))
+            broken = {plugin.name: plugin.error for plugin in registry.installed("scenarios")}.get(name)
+            problem = f"'{name}' cannot be loaded: {broken}" if broken else f"'{name}' is not installed"
+            raise BadInput(f"scenario.{FIELD}", problem, ", ".join(sorted(known)))
         return known[name]
     marked = (kind for kind in known.values() if any(field in values for field in kind.mark))
     return next(marked, Handover)
+
+
+def fields_of(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the fields of a configuration without the name of its kind, where it is of that kind all the same."""
+    bare = {name: value for name, value in values.items() if name != FIELD}
+    return bare if kind_of(bare) is kind_of(values) else dict(values)

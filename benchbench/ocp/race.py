@@ -53,6 +53,7 @@ class Race(Scenario):
     """
 
     mark: ClassVar[tuple[str, ...]] = ("track",)
+    planning: ClassVar[tuple[str, ...]] = (*Scenario.planning, "speed_guess", "gate_margin")
 
     track: str | Path | tuple[Any, ...]
     order: Order = "fixed"

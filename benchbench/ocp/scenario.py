@@ -52,12 +52,17 @@ class Scenario(BaseModel, ABC):
                        transcription keeps limits at its nodes, and the plan is judged by what is flown
     hover_ends         first and last input equal hover (authors' public demo; not in the paper)
 
-    A kind is a final subclass with fields of its own. `mark`: names of fields by which a configuration says that it is
-    of this kind; one of a kind without a mark says `kind: NAME` (see `benchbench.ocp.kinds`).
+    A kind is a final subclass with fields of its own, and with
+
+    mark      names of fields by which a configuration says that it is of this kind; one of a kind without a mark says
+              `kind: NAME` (see `benchbench.ocp.kinds`)
+    planning  names of fields that only say how a planner goes about it: no certificate asks for them, and travel times
+              may be compared whatever they are
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
     mark: ClassVar[tuple[str, ...]] = ()
+    planning: ClassVar[tuple[str, ...]] = ("travel_time_guess", "rate_margin")
 
     name: str
     start: dict[str, Finite]

@@ -12,12 +12,8 @@ from typing import Any
 from hydra.utils import get_object
 from omegaconf import DictConfig, OmegaConf
 
-from benchbench.ocp.kinds import kind_of
+from benchbench.ocp.kinds import fields_of, kind_of
 
-PLANNING = (
-    "contact_guess", "travel_time_guess", "speed_guess", "rate_margin", "contact_margin", "gate_margin",
-)  # fmt: skip
-"""Fields of a scenario that only say how a planner goes about it; no certificate asks for them."""
 LABELS = ("name",)
 FILES = (".csv", ".yaml", ".yml")
 """Suffixes of files that hold a part of a task: a track, the motion of a target."""
@@ -31,9 +27,9 @@ def task_hash(cfg: DictConfig) -> str:
     class's default counts as left out, so that a new field with a default changes nothing.
     """
     tree: Any = OmegaConf.to_container(cfg, resolve=True)
-    scenario = tree["scenario"]
+    scenario, kind = fields_of(tree["scenario"]), kind_of(tree["scenario"])
     content = {
-        "scenario": _without(_content(scenario, _defaults(kind_of(scenario))), (*PLANNING, *LABELS)),
+        "scenario": _without(_content(scenario, _defaults(kind)), (*kind.planning, *LABELS)),
         "vehicle": _without(_content(tree["vehicle"]), LABELS),
         "dynamics": _content(tree["dynamics"]),
         "certificate": _without(_content(tree["certificate"]), ("stationarity", "stationarity_seconds")),

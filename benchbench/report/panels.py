@@ -15,12 +15,15 @@ from benchbench.report.race_panels import race_panels
 
 
 @singledispatch
+def conditions(scenario: Scenario, plan: Plan, model: Model, replay: Replay | None) -> list[Panel]:
+    """What the kind of scenario asks for beside limits: the gaps of contacts, unless it says otherwise."""
+    return contact_panels(plan, scenario, model, replay)
+
+
+@singledispatch
 def panels(scenario: Scenario, plan: Plan, model: Model, replay: Replay | None) -> list[Panel]:
-    """Conditions of contacts, then everything that has a limit, unless the kind of scenario says otherwise."""
-    return [
-        *contact_panels(plan, scenario, model, replay),
-        *limit_panels(plan, scenario, model, replay),
-    ]
+    """Conditions, then everything that has a limit, unless the kind of scenario says otherwise."""
+    return [*conditions(scenario, plan, model, replay), *limit_panels(plan, scenario, model, replay)]
 
 
 panels.register(Race, race_panels)

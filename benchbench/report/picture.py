@@ -21,8 +21,9 @@ from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows
-from benchbench.report.limits_panel import contact_panels, limit_panels
+from benchbench.report.limits_panel import limit_panels
 from benchbench.report.panel import Panel, draw_panel
+from benchbench.report.panels import conditions
 from benchbench.report.png import Picture, write_png
 from benchbench.report.race import race_figure
 from benchbench.report.style import BAD, CONTACT, GOOD, INK, LIMIT, RC
@@ -97,7 +98,7 @@ def page(
     times = [(float(plan.time[a]), float(plan.time[b])) for a, b in contact_windows(plan)]
     return Page(
         scene(plan, scenario, model, replay),
-        contact_panels(plan, scenario, model, replay),
+        conditions(scenario, plan, model, replay),
         limit_panels(plan, scenario, model, replay),
         times,
         title,
@@ -109,10 +110,10 @@ def page(
 def _subtitle(plan: Plan, scenario: Scenario, windows: Sequence[tuple[float, float]]) -> str:
     contact = ", ".join(f"{start:.3f} to {end:.3f} s" for start, end in windows[:3]) or "none claimed"
     more = f" and {len(windows) - 3} more" if len(windows) > 3 else ""
-    return (
-        f"{scenario.name}:  travel time {plan.travel_time:.3f} s   |   contact {contact}{more}"
-        f"   |   N = {plan.intervals} intervals"
-    )
+    told = [f"{scenario.name}:  travel time {plan.travel_time:.3f} s", f"N = {plan.intervals} intervals"]
+    if scenario.itinerary.stops:
+        told.insert(1, f"contact {contact}{more}")
+    return "   |   ".join(told)
 
 
 def compose(page: Page, replayed: bool) -> Figure:
@@ -150,11 +151,11 @@ def _header(figure: SubFigure, page: Page, replayed: bool) -> None:
     )
     between = "replay of the inputs" if replayed else "plan"
     keys = [
-        *legend_handles(),
+        *legend_handles(bool(page.scene.targets)),
         Line2D([], [], color=INK, marker=".", linestyle="", label="planned nodes"),
         Line2D([], [], color=INK, linewidth=1.1, label=between),
         Line2D([], [], color=LIMIT, linewidth=1.1, linestyle=(0, (4, 3)), label="limit"),
-        Patch(facecolor=CONTACT, alpha=0.4, label="contact"),
+        *([Patch(facecolor=CONTACT, alpha=0.4, label="contact")] if page.scene.targets else []),
     ]
     figure.legend(
         handles=keys, loc="lower left", ncols=len(keys), frameon=False, fontsize=9, columnspacing=1.8

@@ -38,7 +38,7 @@ class Scene:
     """A plan with what the views need.
 
     End effector and the target of each stop at the nodes, each (N + 1, 3) m, and the end effector on the replay
-    (m, 3) m; of a race the outline of each gate (n, 3) m, by what is written there.
+    (m, 3) m; outlines (n, 3) m of what stands in the room, of a race its gates, by what is written there.
     """
 
     plan: Plan
@@ -104,7 +104,7 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> N
     """Draw one projection; `plane` are the two world axes, 0 for x, 1 for y, 2 for z."""
     h, v = plane
     axes.set_title(title, y=1.0)
-    for target in scene.targets.values():
+    for target in (*scene.targets.values(), *scene.gates.values()):
         axes.plot(target[:, h], target[:, v], color=TARGET, linewidth=1.4, zorder=2)
     axes.plot(scene.tool[:, h], scene.tool[:, v], color=TOOL, linewidth=1.8, zorder=2)
     if scene.flown is not None:
@@ -144,13 +144,14 @@ def label_times(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
         )  # fmt: skip
 
 
-def legend_handles() -> list[Line2D]:
-    """Keys of what the views show."""
+def legend_handles(targets: bool) -> list[Line2D]:
+    """Keys of what the views show; `targets`: whether there are any."""
+    target = Line2D([], [], color=TARGET, linewidth=1.4, marker="s", markersize=5, label="target")
     return [
         Line2D([], [], color=FRAME, linewidth=2.2, label="vehicle"),
         Line2D([], [], color=ARM, linewidth=2.2, label="arm"),
         Line2D([], [], color=TOOL, linewidth=1.2, marker="o", markersize=5, label="end effector"),
-        Line2D([], [], color=TARGET, linewidth=1.4, marker="s", markersize=5, label="target"),
+        *([target] if targets else []),
     ]
 
 
