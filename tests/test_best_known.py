@@ -189,7 +189,7 @@ def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
     for entry in {e["task_hash"]: e for e in some}.values():
         case = config.compose(*shlex.split(entry["command"]))
         assert case.task_hash == entry["task_hash"]
-        assert (case.scenario.name, case.scenario.intervals) == (entry["scenario"], entry["intervals"])
+        assert (case.scenario.name, case.scenario.grid_intervals) == (entry["scenario"], entry["intervals"])
         assert case.limits == config.compose(f"+scenario={entry['scenario']}").limits
 
 

@@ -39,8 +39,8 @@ class ReachEvidence(Evidence):
 @examine.register
 def _(scenario: Reach, given: Given) -> Examination[ReachEvidence]:
     found = measured(scenario, given)
-    far = (off(scenario, given.model, one.configuration) for one in (given.plan, found.flight))
-    evidence = ReachEvidence(**vars(found), **dict(zip(("planned_off", "flown_off"), far, strict=True)))
+    planned, dense = (off(scenario, given.model, one.configuration) for one in (given.plan, found.flight))
+    evidence = ReachEvidence(**vars(found), planned_off=planned, flown_off=dense)
     beyond = max(0.0, float(evidence.flown_off[-1]) - scenario.reach)
     return Examination(
         evidence,
