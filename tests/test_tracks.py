@@ -67,6 +67,25 @@ def test_a_yaml_file_may_bring_start_end_and_radius(tmp_path: Path) -> None:
     assert scenario.grid_intervals == 6 * 40
 
 
+def test_what_is_typed_wins_over_the_file_and_the_file_over_what_is_shipped(tmp_path: Path) -> None:
+    file = tmp_path / "track.yaml"
+    file.write_text(f"start: [1, 2, 3]\nend: [9, 9, 1]\nlap: {LAP}\nradius: 0.5\ngates: 2\n")
+    plain = race(f"scenario.track={file}")
+    assert (plain.gates, plain.radius, plain.start["x"], plain.end["x"]) == (2, 0.5, 1, 9), (
+        "the configuration says it"
+    )
+    assert plain.start_position == (1, 2, 3) and len(plain.goals) == 3 and plain.goals[0].radius == 0.5
+    typed = race(
+        f"scenario.track={file}",
+        "scenario.gates=3",
+        "scenario.radius=0.2",
+        "scenario.start.x=-1",
+        "scenario.end={x:8,y:8,z:2}",
+    )
+    assert typed.start_position == (-1, 2, 3), "the other coordinates are the file's"
+    assert typed.goals[-1].position == (8, 8, 2) and len(typed.goals) == 4 and typed.goals[0].radius == 0.2
+
+
 def test_the_public_track_repeats_its_lap() -> None:
     scenario = race("scenario.gates=19")
     assert len(scenario.goals) == 20

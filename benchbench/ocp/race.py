@@ -42,7 +42,8 @@ class Race(Scenario):
     order           fixed: in the order of the track; free: in any order, which is part of what is to be found
     sequence        numbers of the gates, from 1 as the track lists them, in the order they are passed (where that is
                     free: in which a guess passes them); none: as listed
-    track           gates of one lap: a list, or the path of a YAML or CSV file (see `benchbench.ocp.track.read`)
+    track           gates of one lap: a list, or the path of a YAML or CSV file (see `benchbench.ocp.track.read`); what
+                    a file says of start, end, radius and gates counts where the scenario leaves it out
     gates           number of gates before the end, the lap repeated as often as needed; null: one lap
     radius          of a gate that names none, m
     end_radius      how near to the end the flight may end, m; null: `radius`
@@ -123,7 +124,7 @@ class Race(Scenario):
     @cached_property
     def course(self) -> Track:
         """The track as it was given."""
-        return read(self.track, self.radius)
+        return read(self.track, self.radius, "radius" in self.model_fields_set)
 
     @cached_property
     def goals(self) -> tuple[Gate, ...]:
@@ -192,7 +193,7 @@ class Race(Scenario):
     def _position(
         self, named: tuple[float, float, float] | None, field: Mapping[str, float]
     ) -> tuple[float, float, float]:
-        x, y, z = named or (field.get(axis, 0.0) for axis in AXES)
+        x, y, z = named if named and not field else (field.get(axis, 0.0) for axis in AXES)
         return x, y, z
 
     def _placed(self, q: Array, model: Model, position: tuple[float, float, float]) -> Array:

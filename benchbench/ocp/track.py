@@ -29,6 +29,8 @@ COLUMNS = (
 )
 """Names in a CSV file, where a cell holds one number."""
 PARTS = ("start", "lap", "end", "radius", "gates")
+LARGEST = 10_000_000
+"""Bytes of a track file that is still read."""
 TRACKS = "a list of gates, or the path of a .yaml or .csv file"
 FORM = "rows of x, y, z and, where wanted, radius and order, all finite numbers in m"
 
@@ -98,8 +100,10 @@ class Track:
     gates: int | None = None
 
 
-def read(source: str | Path | Sequence[Any], radius: float) -> Track:
+def read(source: str | Path | Sequence[Any], radius: float, said: bool = False) -> Track:
     """Return the track that a path (.yaml, .yml, .csv) or a list of gates gives; raises BadInput.
+
+    radius: of gates that name none, m; where it was `said`, it wins over the file's, else the file's over it.
 
     A gate is [x, y, z] or a mapping of the names in `GATE`: x, y, z and optionally radius (else `radius`) and order; width
     and height of a rectangle with yaw or normal, and direction; speed, a number or [least, largest]; heading. A CSV file
@@ -114,14 +118,33 @@ def read(source: str | Path | Sequence[Any], radius: float) -> Track:
     if path.suffix.lower() not in kinds:
         raise BadInput(FIELD, f"'{path}' is no track", TRACKS)
     try:
+        if path.stat().st_size > LARGEST:
+            raise BadInput(FIELD, f"'{path}' is larger than {LARGEST / 1e6:g} MB", "a file of fewer gates")
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
-        said = error.strerror if isinstance(error, OSError) else "it is no text"
-        raise BadInput(FIELD, f"cannot read '{path}': {said}", "a .yaml or .csv file") from None
-    return kinds[path.suffix.lower()](text, radius)
+        why = error.strerror if isinstance(error, OSError) else "it is no text"
+        raise BadInput(FIELD, f"cannot read '{path}': {why}", "a .yaml or .csv file") from None
+    return kinds[path.suffix.lower()](text, radius, said)
 
 
-def _csv(text: str, radius: float) -> Track:
+def beside_the_lap(source: Any) -> dict[str, Any]:
+    """Return what a track file says beside its gates, as fields of a scenario (start.x, radius); nothing for other sources."""
+    if not isinstance(source, str | Path) or Path(source).suffix.lower() not in (".yaml", ".yml"):
+        return {}
+    try:
+        found = yaml.safe_load(Path(source).read_text(encoding="utf-8-sig"))
+    except (OSError, ValueError, RecursionError, yaml.YAMLError):
+        return {}  # told when it is read
+    told = found if isinstance(found, dict) else {}
+    said = {name: told[name] for name in ("start", "end", "radius", "gates") if told.get(name) is not None}
+    points = {name: value for name, value in said.items() if is_point(value)}
+    axes = {
+        f"{name}.{axis}": x for name, place in points.items() for axis, x in zip("xyz", place, strict=True)
+    }
+    return axes | {name: value for name, value in said.items() if name not in points}
+
+
+def _csv(text: str, radius: float, said: bool) -> Track:
     rows = list(csv.reader(line for line in text.splitlines() if line.strip() and not line.startswith("#")))
     header = [name.strip() for name in rows[0]] if rows else []
     for name in header[3:]:
@@ -151,10 +174,10 @@ def _cells(header: Sequence[str], row: Sequence[str]) -> dict[str, Any]:
     return cells | ({"normal": normal} if any(normal) else {})
 
 
-def _yaml(text: str, radius: float) -> Track:
+def _yaml(text: str, radius: float, said: bool) -> Track:
     try:
         found = yaml.safe_load(text)
-    except yaml.YAMLError as error:
+    except (yaml.YAMLError, RecursionError) as error:
         raise BadInput(FIELD, f"is no YAML: {' '.join(str(error).split())[:120]}") from None
     if isinstance(found, list):
         return Track(_gates(found, radius))
@@ -163,7 +186,8 @@ def _yaml(text: str, radius: float) -> Track:
     for key in found:
         if key not in PARTS:
             raise unknown_field(f"{FIELD}.{key}", PARTS)
-    radius = _number(found.get("radius", radius), f"{FIELD}.radius")
+    own = _number(found.get("radius", radius), f"{FIELD}.radius")
+    radius = radius if said else own
     count = found.get("gates")
     if count is not None and (not isinstance(count, int) or isinstance(count, bool) or count < 1):
         raise BadInput(f"{FIELD}.gates", f"{count!r} was given", "a whole number of at least 1")

@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
-from omegaconf import DictConfig
+from omegaconf import DictConfig, OmegaConf
 
 from benchbench.errors import BadInput
+from benchbench.ocp.track import beside_the_lap
 
 SMOOTH, RELAXING = "phases", "relax"
 """The default strategy, which has no complementarity to relax, and the one for those who ask for a relaxation."""
+TRACK = "scenario.track"
 MARGINS = ("scenario.rate_margin", "scenario.contact_margin")
 """Margins by hand; a strategy with a field `margin` above 0 measures its own instead (`benchbench.planning.margins`)."""
 
@@ -20,8 +22,25 @@ def implied(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
     """Return what is meant beside the overrides, given the configuration they lead to, that of Hydra included.
 
     Who asks for a relaxation, or sets a field of one, and for no strategy does not mean one that ignores it. Who sets
-    margins does not mean a strategy that measures its own. Raises BadInput for who asks for both.
+    margins does not mean a strategy that measures its own. Who names a track file means what it says of start, end, radius
+    and gates, but for what they say themselves. Raises BadInput for who asks for both kinds of margins.
     """
+    return [*_of_the_track(overrides, cfg), *_of_the_method(overrides, cfg)]
+
+
+def _of_the_track(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
+    """What a track file says beside its gates: it wins over what is shipped, and what is typed wins over it."""
+    asked = _keys(overrides)
+    if TRACK not in asked:
+        return []
+    return [
+        f"++scenario.{name}={value if isinstance(value, int | float) else quoted(str(value))}"
+        for name, value in beside_the_lap(OmegaConf.select(cfg, TRACK)).items()
+        if not asked & {f"scenario.{name}", f"scenario.{name.partition('.')[0]}"}
+    ]
+
+
+def _of_the_method(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
     if _relaxing(overrides) and cfg.hydra.runtime.choices.get("strategy") == SMOOTH:
         return [f"strategy={RELAXING}"]
     if not _by_hand(overrides) or not isinstance(cfg.get("strategy"), DictConfig):
@@ -39,7 +58,7 @@ def implied(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
 
 def implying(overrides: Sequence[str]) -> bool:
     """Whether these overrides may imply others."""
-    return _relaxing(overrides) or _by_hand(overrides)
+    return _relaxing(overrides) or _by_hand(overrides) or TRACK in _keys(overrides)
 
 
 def quoted(text: str) -> str:
