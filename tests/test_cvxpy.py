@@ -28,7 +28,7 @@ from benchbench_plugins.relaxations.paper import Paper
 from benchbench_plugins.relaxations.scholtes import Scholtes
 from benchbench_plugins.solvers.cvxpy_backend import Cvxpy
 from benchbench_plugins.solvers.cvxpy_backend_atoms import Atoms
-from benchbench_plugins.solvers.cvxpy_backend_model import Model
+from benchbench_plugins.solvers.cvxpy_backend_model import LocalModel
 from benchbench_plugins.solvers.cvxpy_backend_nlp import PACKAGES, CvxpyNlp
 from benchbench_plugins.solvers.cvxpy_backend_qp import Subproblem
 from benchbench_plugins.solvers.ipopt import Ipopt
@@ -74,7 +74,7 @@ def test_multipliers_of_a_handover() -> None:
 def test_curvature_is_convex_and_only_cut() -> None:
     """B is positive semidefinite and B - H is too: per block only negative eigenvalues were removed."""
     mpcc = handover(6)
-    model, rng = Model(mpcc, "never"), np.random.default_rng(5)
+    model, rng = LocalModel(mpcc, "never"), np.random.default_rng(5)
     x = np.clip(mpcc.guess + 0.1 * rng.normal(size=mpcc.size), mpcc.lower, mpcc.upper)
     model.begin(x, 0.0)
     lam = rng.normal(size=model.m)
@@ -93,7 +93,7 @@ def test_curvature_is_convex_and_only_cut() -> None:
 def test_subproblem_is_compiled_once_and_right() -> None:
     """Two solves with other parameters; the answer against the optimality conditions of the quadratic program."""
     mpcc = hs071().mpcc
-    model = Model(mpcc, "never")
+    model = LocalModel(mpcc, "never")
     subproblem = Subproblem(model, "CLARABEL", {})
     compiled = set()
     for x in (np.array([1.0, 5.0, 5.0, 1.0]), np.array([1.2, 4.5, 3.9, 1.5])):

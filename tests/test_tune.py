@@ -21,7 +21,7 @@ from benchbench.run import config
 from benchbench.run.progress import LiveLine
 from benchbench.tuning import outcome
 from benchbench.tuning.space import read
-from benchbench.tuning.steps import Report
+from benchbench.tuning.steps import TrialReport
 from benchbench.tuning.storage import opened
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "tuning" / "schedule.yaml"
@@ -129,7 +129,7 @@ def reported(made: optuna.Study, url: str, schedule: str) -> tuple[dict[int, flo
     """A run that reports to a new trial: its reports, and its iterations unless it was given up."""
     asked = ("+scenario=static", "scenario.intervals=12", "compile=never", f"relaxation.schedule={schedule}")
     trial = made.ask()
-    report = Report(url, made.study_name, trial.number, "iterations", problem=1, before=1000.0)
+    report = TrialReport(url, made.study_name, trial.number, "iterations", problem=1, before=1000.0)
     try:
         done = pipeline.run(config.compose(*asked), LiveLine(report)).record["iterations"]
     except Pruned:

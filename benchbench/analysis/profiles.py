@@ -10,11 +10,11 @@ import pandas as pd
 
 from benchbench.arrays import Array
 
-Step = tuple[Array, Array]
+Staircase = tuple[Array, Array]
 """A step function: places (increasing) and the value from each place on."""
 
 
-def performance_profile(costs: pd.DataFrame) -> dict[str, Step]:
+def performance_profile(costs: pd.DataFrame) -> dict[str, Staircase]:
     """Share of problems that each method solves within tau times the best method's cost (Dolan & More 2002).
 
     A problem that no method solves counts in the denominator and is solved within no tau. Raises ValueError
@@ -25,7 +25,7 @@ def performance_profile(costs: pd.DataFrame) -> dict[str, Step]:
     return _shares(costs.div(best, axis=0))
 
 
-def data_profile(costs: pd.DataFrame, sizes: pd.Series | None = None) -> dict[str, Step]:
+def data_profile(costs: pd.DataFrame, sizes: pd.Series | None = None) -> dict[str, Staircase]:
     """Share of problems that each method solves within a cost (More & Wild 2009).
 
     sizes: number of unknowns n of each problem; costs in evaluations are then counted in groups of n + 1, as
@@ -35,11 +35,11 @@ def data_profile(costs: pd.DataFrame, sizes: pd.Series | None = None) -> dict[st
     return _shares(costs if sizes is None else costs.div(sizes.reindex(costs.index) + 1, axis=0))
 
 
-def _shares(costs: pd.DataFrame) -> dict[str, Step]:
+def _shares(costs: pd.DataFrame) -> dict[str, Staircase]:
     return {str(method): _share_within(costs[method].to_numpy(float)) for method in costs}
 
 
-def _share_within(costs: Array) -> Step:
+def _share_within(costs: Array) -> Staircase:
     places, counts = np.unique(costs[np.isfinite(costs)], return_counts=True)
     return places, np.cumsum(counts) / max(len(costs), 1)
 

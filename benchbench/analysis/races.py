@@ -29,7 +29,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Row:
+class RaceRow:
     """How the races were planned: dynamics and what else differs, vehicle, nodes per gate; cells by gates before the end."""
 
     method: str
@@ -38,7 +38,7 @@ class Row:
     cells: Mapping[int, Cell]
 
 
-def races(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> list[Row]:
+def races(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> list[RaceRow]:
     """Return the table; empty without races.
 
     runs: named, see `benchbench.analysis.naming.name_runs`; a race is a run that knows its gates.
@@ -56,10 +56,10 @@ def races(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> list[Row]:
     return [_row(raced, *row) for row in rows.itertuples(index=False, name=None)]
 
 
-def _row(raced: pd.DataFrame, method: str, race: str, nodes: int) -> Row:
+def _row(raced: pd.DataFrame, method: str, race: str, nodes: int) -> RaceRow:
     mine = raced[(raced.method == method) & (raced.race == race) & (raced.nodes == nodes)]
     gates = sorted(set(mine.gates.astype(int)))
-    return Row(method, race, nodes, {count: _cell(mine[mine.gates == count]) for count in gates})
+    return RaceRow(method, race, nodes, {count: _cell(mine[mine.gates == count]) for count in gates})
 
 
 def _named(runs: pd.DataFrame, settings: Sequence[Settings | None], on: Sequence[int]) -> list[str]:

@@ -77,7 +77,7 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
             len(options.overrides) :
         ]
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach us, we say them in one message
-    call = _Call(traced)
+    call = _Invocation(traced)
     hydra.main(version_base="1.3", config_path=config.folder(), config_name="config")(call)()
     if len(call.codes) > 1:
         summary.count(call.codes.count(CERTIFIED), len(call.codes))
@@ -100,7 +100,7 @@ def _file(error: OSError) -> BadInput:
 
 
 @dataclass
-class _Call:
+class _Invocation:
     """The runs of one call and how they ended, as exit codes; Hydra calls it for a single run."""
 
     traced: bool

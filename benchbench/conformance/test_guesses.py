@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from benchbench.conformance.candidates import Candidate, candidates
+from benchbench.conformance.candidates import Tested, candidates
 from benchbench.conformance.checks.guesses import CHECKS
 from benchbench.planning.case import Case, Guess
 from benchbench.planning.guess import straight_line
@@ -33,9 +33,7 @@ def recording(case: Case, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 @GUESSES
-def test_guess(
-    candidate: Candidate, check: Callable[[Guess, Case], None], case: Case, recording: Path
-) -> None:
+def test_guess(candidate: Tested, check: Callable[[Guess, Case], None], case: Case, recording: Path) -> None:
     """One check of one guess; a mandatory setting (???) is the path of a recording."""
     asked = {name: str(recording) for name, value in candidate.settings.items() if value == "???"}
     check(candidate.build(**asked), case)

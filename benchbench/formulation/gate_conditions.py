@@ -27,7 +27,7 @@ At 4 g a vehicle turns back within 13 mm at the earliest, so it cannot touch the
 
 
 @dataclass(frozen=True)
-class Condition:
+class GateCondition:
     """One kind of condition: h(state, numbers) <= 0, (rows,), where state is what it `reads`.
 
     position (3,) m and velocity (3,) m/s in the world, or for "attitude" the nose (3,), the body x axis. `count` numbers
@@ -55,13 +55,13 @@ def _in_opening(p: ca.SX, gate: ca.SX) -> ca.SX:
     return ca.vertcat(*rows)
 
 
-BALL = Condition("ball", "position", 4, _in_ball, "m", gap=True)
-OPENING = Condition("opening", "position", 16, _in_opening)
-ACROSS_IT = Condition("across", "velocity", 3, lambda v, n: 1 - ca.dot(v, n))
-EITHER_WAY = Condition("either_way", "velocity", 3, lambda v, n: 1 - ca.dot(v, n) ** 2)
-FASTEST = Condition("fastest", "velocity", 1, lambda v, most: ca.sumsqr(v) / most**2 - 1, "m/s", gap=True)
-SLOWEST = Condition("slowest", "velocity", 1, lambda v, least: 1 - ca.sumsqr(v) / least**2)
-NOSE = Condition(
+BALL = GateCondition("ball", "position", 4, _in_ball, "m", gap=True)
+OPENING = GateCondition("opening", "position", 16, _in_opening)
+ACROSS_IT = GateCondition("across", "velocity", 3, lambda v, n: 1 - ca.dot(v, n))
+EITHER_WAY = GateCondition("either_way", "velocity", 3, lambda v, n: 1 - ca.dot(v, n) ** 2)
+FASTEST = GateCondition("fastest", "velocity", 1, lambda v, most: ca.sumsqr(v) / most**2 - 1, "m/s", gap=True)
+SLOWEST = GateCondition("slowest", "velocity", 1, lambda v, least: 1 - ca.sumsqr(v) / least**2)
+NOSE = GateCondition(
     "nose",
     "attitude",
     3,
@@ -70,7 +70,7 @@ NOSE = Condition(
 )
 
 
-def conditions(gate: Gate, margin: float = 0.0) -> Iterator[tuple[Condition, tuple[float, ...]]]:
+def conditions(gate: Gate, margin: float = 0.0) -> Iterator[tuple[GateCondition, tuple[float, ...]]]:
     """Conditions of a gate with their numbers; `margin` is the share of its size that is left unused."""
     left = 1 - margin
     if gate.opening is None:
@@ -87,7 +87,9 @@ def conditions(gate: Gate, margin: float = 0.0) -> Iterator[tuple[Condition, tup
         yield NOSE, (np.cos(gate.heading), np.sin(gate.heading), np.cos(HEADING))
 
 
-def _rectangle(gate: Gate, opening: Opening, left: float) -> Iterator[tuple[Condition, tuple[float, ...]]]:
+def _rectangle(
+    gate: Gate, opening: Opening, left: float
+) -> Iterator[tuple[GateCondition, tuple[float, ...]]]:
     side, up = opening.sides
     halves = opening.width / 2 * left, opening.height / 2 * left
     yield OPENING, (*gate.position, *opening.normal, *side, *up, SLAB, *halves, min(halves))

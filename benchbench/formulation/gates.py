@@ -18,7 +18,7 @@ import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Array, Index
-from benchbench.formulation.gate_conditions import Condition, conditions
+from benchbench.formulation.gate_conditions import GateCondition, conditions
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, block, rows
 from benchbench.ocp.model import Model
 from benchbench.ocp.race import Race
@@ -26,7 +26,7 @@ from benchbench.ocp.track import Gate
 
 
 @dataclass(frozen=True)
-class Place:
+class StatePlace:
     """Where a flight has its state.
 
     Position in the first three of the `width` columns of `variable`, velocity in those of the `rates` columns of v.
@@ -38,17 +38,17 @@ class Place:
     rates: int
     model: Model | None = None
 
-    def knows(self, condition: Condition) -> bool:
+    def knows(self, condition: GateCondition) -> bool:
         """Whether there is what the condition reads."""
         return condition.reads != "attitude" or self.model is not None
 
-    def at(self, condition: Condition, nodes: Sequence[int] | Index) -> Slot:
+    def at(self, condition: GateCondition, nodes: Sequence[int] | Index) -> Slot:
         """What the condition reads, at each of the nodes."""
         name, width = ("v", self.rates) if condition.reads == "velocity" else (self.variable, self.width)
         read = width if condition.reads == "attitude" else 3
         return Slot(name, rows(name, width, nodes).index[:, :read])
 
-    def h(self, condition: Condition) -> tuple[ca.SX, ca.SX, ca.SX]:
+    def h(self, condition: GateCondition) -> tuple[ca.SX, ca.SX, ca.SX]:
         """The condition with the symbols of its unknowns, as `at` gives them, and of its numbers."""
         numbers = ca.SX.sym("numbers", condition.count)
         z = ca.SX.sym("z", self.width if condition.reads == "attitude" else 3)
@@ -56,7 +56,7 @@ class Place:
         return condition.h(state, numbers), z, numbers
 
 
-def at_nodes(race: Race, place: Place, nodes: Sequence[int], goals: Sequence[Gate]) -> tuple[Block, ...]:
+def at_nodes(race: Race, place: StatePlace, nodes: Sequence[int], goals: Sequence[Gate]) -> tuple[Block, ...]:
     """Impose each gate at its node, a block for each kind of condition."""
     found = []
     for condition, (which, numbers) in _kinds(race, place, goals).items():
@@ -73,9 +73,11 @@ def at_nodes(race: Race, place: Place, nodes: Sequence[int], goals: Sequence[Gat
     return tuple(found)
 
 
-def _kinds(race: Race, place: Place, goals: Sequence[Gate]) -> dict[Condition, tuple[list[int], Array]]:
+def _kinds(
+    race: Race, place: StatePlace, goals: Sequence[Gate]
+) -> dict[GateCondition, tuple[list[int], Array]]:
     """For each kind of condition the gates that ask for it, and their numbers (gates, count)."""
-    found: dict[Condition, list[tuple[int, tuple[float, ...]]]] = {}
+    found: dict[GateCondition, list[tuple[int, tuple[float, ...]]]] = {}
     for i, gate in enumerate(goals):
         for condition, numbers in conditions(gate, race.gate_margin):
             if place.knows(condition):
@@ -83,7 +85,7 @@ def _kinds(race: Race, place: Place, goals: Sequence[Gate]) -> dict[Condition, t
     return {kind: ([i for i, _ in rows_], np.array([n for _, n in rows_])) for kind, rows_ in found.items()}
 
 
-def by_progress(race: Race, place: Place, intervals: int) -> Mpcc:
+def by_progress(race: Race, place: StatePlace, intervals: int) -> Mpcc:
     """Let progress variables kappa (N + 1, gates) say where the gates are passed; the end is not among them.
 
     Where the order of the race is free nothing ties the gates together.
@@ -106,14 +108,14 @@ def passed_at(intervals: int, nodes: Sequence[int]) -> Array:
     return np.where(np.arange(intervals + 1)[:, None] <= np.asarray(nodes), 1.0, 0.0)
 
 
-def _alike(condition: Condition, numbers: Array) -> list[Index]:
+def _alike(condition: GateCondition, numbers: Array) -> list[Index]:
     """Rows of numbers that may share a block: of a gap those with the same limit, else all."""
     limits = numbers[:, -1] if condition.gap else np.zeros(len(numbers))
     return [np.flatnonzero(limits == limit) for limit in np.unique(limits)]
 
 
 def _pair(
-    place: Place, condition: Condition, intervals: int, gates: int, which: Index, numbers: Array
+    place: StatePlace, condition: GateCondition, intervals: int, gates: int, which: Index, numbers: Array
 ) -> Pair:
     """Vanishing pairs mu, h at all nodes but the last, of those gates (columns of kappa)."""
     nodes = np.repeat(np.arange(intervals), len(which))

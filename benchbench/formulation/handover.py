@@ -13,7 +13,7 @@ from benchbench.errors import IncompatibleCase
 from benchbench.formulation import open_order
 from benchbench.formulation.coupling import Coupling
 from benchbench.formulation.formulation import Formulation
-from benchbench.formulation.problem import Problem, Windows
+from benchbench.formulation.problem import NodesByStop, Problem
 from benchbench.mpcc.problem import Mpcc, block
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Itinerary, Stop, spread
@@ -56,7 +56,7 @@ def fixed_window(case: Formulation, start: Plan, nodes: Sequence[int]) -> Proble
     return fixed_windows(case, start, {case.scenario.itinerary.stops[0].name: tuple(nodes)})
 
 
-def fixed_windows(case: Formulation, start: Plan, contact: Windows) -> Problem:
+def fixed_windows(case: Formulation, start: Plan, contact: NodesByStop) -> Problem:
     """One step size, contact with each stop that is named imposed at its nodes: smooth."""
     base, trajectory = _flight(case, start)
     return _at_windows(case, base, trajectory, contact)
@@ -88,7 +88,7 @@ def phases(case: Formulation, start: Plan) -> Problem:
 
 def phase_grid(
     case: Formulation, start: Plan, made: Sequence[Stop]
-) -> tuple[Grid, Windows, list[tuple[int, Stop]]]:
+) -> tuple[Grid, NodesByStop, list[tuple[int, Stop]]]:
     """Time axis of the phases, as long as in a plan that makes these stops, else spread over its travel time.
 
     Also returns the nodes of each contact, and which phases are contacts whose duration is a number of steps.
@@ -162,7 +162,7 @@ def nearest_window(plan: Plan, trajectory: Trajectory, count: int, stop: str = "
     return tuple(range(first, first + count))
 
 
-def nearest_windows(case: Formulation, plan: Plan) -> Windows:
+def nearest_windows(case: Formulation, plan: Plan) -> NodesByStop:
     """The nearest window of the one-phase grid for every stop that a plan makes."""
     _, trajectory = _flight(case, plan)
     return {
@@ -204,7 +204,7 @@ def _flight(case: Formulation, start: Plan) -> tuple[Mpcc, Trajectory]:
     return base.start_from(trajectory.encode(start)), trajectory
 
 
-def _at_windows(case: Formulation, base: Mpcc, trajectory: Trajectory, contact: Windows) -> Problem:
+def _at_windows(case: Formulation, base: Mpcc, trajectory: Trajectory, contact: NodesByStop) -> Problem:
     itinerary = case.scenario.itinerary
     made = [stop for stop in itinerary.stops if stop.name in contact]
     for stop in made:

@@ -13,7 +13,7 @@ from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.plan import ONLY, Plan
 from benchbench.transcription.grid import Trajectory
 
-Windows = Mapping[str, tuple[int, ...]]
+NodesByStop = Mapping[str, tuple[int, ...]]
 """Nodes at which progress is made (in contact, or through a gate) by the name of the stop."""
 
 
@@ -27,7 +27,7 @@ class Problem:
 
     mpcc: Mpcc
     trajectory: Trajectory
-    contact: Windows | None
+    contact: NodesByStop | None
     progress: Mapping[str, str] = field(default_factory=dict)
 
     def decode(self, values: dict[str, Array]) -> Plan:

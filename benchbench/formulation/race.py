@@ -8,8 +8,8 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.formulation.formulation import Formulation
-from benchbench.formulation.gates import Place, at_nodes, by_progress, passed_at
-from benchbench.formulation.problem import Problem, Windows
+from benchbench.formulation.gates import StatePlace, at_nodes, by_progress, passed_at
+from benchbench.formulation.problem import NodesByStop, Problem
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import racing
@@ -101,11 +101,11 @@ def _flight(race: Race, case: Formulation, start: Plan) -> tuple[Mpcc, Trajector
     return base.start_from(trajectory.encode(start)), trajectory
 
 
-def _at(nodes: Sequence[int]) -> Windows:
+def _at(nodes: Sequence[int]) -> NodesByStop:
     """Nodes at which the gates are passed, in the only column of the progress."""
     return dict.fromkeys(ONLY, tuple(nodes))
 
 
-def _place(case: Formulation) -> Place:
+def _place(case: Formulation) -> StatePlace:
     model = case.model
-    return Place("q", len(model.configuration.names), len(model.velocity.names), model)
+    return StatePlace("q", len(model.configuration.names), len(model.velocity.names), model)

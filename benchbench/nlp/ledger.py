@@ -29,7 +29,7 @@ class Spent:
 
 
 @dataclass(frozen=True)
-class Step:
+class Milestone:
     """What is known after one solve; `solve_cpu_s` and `iterations` are sums over the run so far.
 
     travel_time_s is that of the point where the solver stopped, None unless it claims success. guess: the solve only
@@ -100,7 +100,7 @@ class Ledger:
     def step(self, stage: str, sigma: float, travel_time: float | None) -> None:
         """Tell the watch that a solve has ended; it may raise Pruned."""
         if self.watch and not self.repeated:
-            step = Step(stage, sigma, travel_time, self.solve_cpu, self.iterations, self.guesses)
+            step = Milestone(stage, sigma, travel_time, self.solve_cpu, self.iterations, self.guesses)
             self.watch.step(step)
 
     @property
@@ -137,7 +137,7 @@ class Ledger:
 class Watch:
     """Where live progress goes; this one shows nothing."""
 
-    def step(self, step: Step) -> None:
+    def step(self, step: Milestone) -> None:
         """Hear that a solve has ended. Raises Pruned to give the run up."""
 
     def stage(self, name: str, shape: tuple[int, int] | None) -> Progress | None:

@@ -30,7 +30,7 @@ ALL = "stages"
 
 
 @dataclass(frozen=True)
-class Stages:
+class Staged:
     """A problem in stage form.
 
     mpcc    the staged problem; its only variable holds all unknowns in stage order, (n, 1)
@@ -72,7 +72,7 @@ class Stages:
         return Point(point.x[self.home], lam_g, None if point.lam_x is None else point.lam_x[self.home])
 
 
-def stages(mpcc: Mpcc) -> Stages:
+def stages(mpcc: Mpcc) -> Staged:
     """Bring a problem without pairs into stage form.
 
     Raises IncompatibleCase when no variable has one row per node, or when an instance of a block reads
@@ -90,7 +90,7 @@ def stages(mpcc: Mpcc) -> Stages:
         [np.repeat(layout.stage(b, mpcc), b.function.size1_out(0)) for b in mpcc.constraints]
     )
     link_stage = np.repeat(np.arange(layout.intervals), links.instances // layout.intervals)
-    return Stages(
+    return Staged(
         mpcc=Mpcc((variable,), (links, *constraints), tuple(costs)),
         order=np.argsort(np.concatenate([link_stage, stage]), kind="stable"),
         states=layout.states, inputs=layout.inputs,

@@ -23,7 +23,7 @@ ABOVE = 0.02
 
 @final
 @dataclass(frozen=True)
-class Given(Guess):
+class GivenStart(Guess):
     """A plan that is there already, from another grid or an earlier solve."""
 
     found: Plan

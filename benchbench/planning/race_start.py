@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.formulation.gates import Place, at_nodes
+from benchbench.formulation.gates import StatePlace, at_nodes
 from benchbench.formulation.race import segments
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.ledger import Ledger
@@ -18,7 +18,7 @@ def point_mass_plan(race: Race, case: Case, ledger: Ledger) -> Plan:
     """Return the vehicle's guess of how to follow the point mass, at the nodes of the point mass."""
     grid = segments(race, INTERVALS, race.segments / race.speed_guess)
     corners = np.array([race.start_position, *(goal.position for goal in race.goals)])
-    at_gates = Mpcc((), at_nodes(race, Place("p", 3, 3), grid.ends, race.goals))
+    at_gates = Mpcc((), at_nodes(race, StatePlace("p", 3, 3), grid.ends, race.goals))
     passed = np.zeros(grid.intervals + 1)
     passed[list(grid.ends)] = 1.0
     return fly(case, ledger, grid, corners, at_gates, passed)

@@ -11,7 +11,7 @@ from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput
-from benchbench.regression.measure import Entry
+from benchbench.regression.measure import Measured
 from benchbench.storage import provenance
 from benchbench.storage.files import write_bytes
 
@@ -19,7 +19,7 @@ BASELINE = "baseline.json"
 
 
 @dataclass(frozen=True)
-class _Entry:
+class _Measured:
     status: str
     certified: bool
     travel_time_s: FiniteFloat | None
@@ -32,10 +32,10 @@ class _Entry:
 @dataclass(frozen=True)
 class _Baseline:
     provenance: dict[str, Any]
-    cases: dict[str, _Entry]
+    cases: dict[str, _Measured]
 
 
-def save(folder: Path, entries: Mapping[str, Entry]) -> Path:
+def save(folder: Path, entries: Mapping[str, Measured]) -> Path:
     """Write the baseline with its provenance; raises BadInput when the disk refuses."""
     content = {"provenance": provenance.collect(), "cases": dict(entries)}
     path = folder / BASELINE
@@ -43,7 +43,7 @@ def save(folder: Path, entries: Mapping[str, Entry]) -> Path:
     return path
 
 
-def load(folder: Path) -> tuple[dict[str, Any], dict[str, Entry]]:
+def load(folder: Path) -> tuple[dict[str, Any], dict[str, Measured]]:
     """Return provenance and entries by case; raises BadInput."""
     path = folder / BASELINE
     try:

@@ -14,10 +14,10 @@ from benchbench.run import config
 
 ANSWER = ("status", "certified", "travel_time_s", "objective", "iterations", "evaluations")
 """Columns of the record that are compared."""
-Entry = dict[str, Any]
+Measured = dict[str, Any]
 
 
-def measure(overrides: Sequence[str], repeats: int, reference: Reference) -> Entry:
+def measure(overrides: Sequence[str], repeats: int, reference: Reference) -> Measured:
     """Return the answer and `ratios`, one per repeat: solve CPU / mean CPU of the reference just before and after.
 
     The first solve gives the answer and warms up. Raises BadInput.

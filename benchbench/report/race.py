@@ -34,7 +34,7 @@ NEAR = 0.01
 
 
 @dataclass(frozen=True)
-class Flight:
+class DrawnFlight:
     """What is drawn: planned positions (N + 1, 3) m; the path in straight pieces (m, 2, 3) m and its speeds (m,) m/s.
 
     Where the replay starts again, the piece starts at the planned state.
@@ -64,7 +64,7 @@ def race_figure(
     return figure
 
 
-def _flight(plan: Plan, race: Race, replay: Replay | None) -> Flight:
+def _flight(plan: Plan, race: Race, replay: Replay | None) -> DrawnFlight:
     flown = plan if replay is None else replay
     position, planned = flown.configuration[:, :3], plan.configuration[:, :3]
     speed = np.linalg.norm(flown.velocity[:, :3], axis=1)
@@ -72,7 +72,7 @@ def _flight(plan: Plan, race: Race, replay: Replay | None) -> Flight:
     if replay is not None:
         again = list(replay.restarts)
         pieces[replay.nodes[again], 0] = planned[again]
-    return Flight(race, planned, pieces, (speed[:-1] + speed[1:]) / 2)
+    return DrawnFlight(race, planned, pieces, (speed[:-1] + speed[1:]) / 2)
 
 
 def _header(figure: SubFigure, plan: Plan, race: Race, title: str, verdict: str) -> None:
@@ -106,7 +106,7 @@ def _limits(figure: SubFigure, plan: Plan, race: Race, model: Model, replay: Rep
     column[-1].set_xlabel("time [s]; dots: planned, lines: flown; vertical: gates; dashed: limits")
 
 
-def _track(axes: Axes3D, flight: Flight) -> Line3DCollection:
+def _track(axes: Axes3D, flight: DrawnFlight) -> Line3DCollection:
     """Draw it, return what has the colours."""
     norm = Normalize(0.0, float(np.nanmax(flight.speed)))
     lines = Line3DCollection(list(flight.pieces), cmap=SPEEDS, norm=norm, linewidth=2.4, clip_on=False)

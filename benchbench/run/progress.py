@@ -11,7 +11,7 @@ from rich.progress import Progress as Bar
 from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
 from benchbench.arrays import Array
-from benchbench.nlp.ledger import Step, Watch
+from benchbench.nlp.ledger import Milestone, Watch
 from benchbench.nlp.solver import Progress
 
 
@@ -19,7 +19,7 @@ from benchbench.nlp.solver import Progress
 class LiveLine(Watch):
     """A context that shows the running solve on stderr; silent when stderr is not a terminal."""
 
-    def __init__(self, told: Callable[[Step], None] | None = None) -> None:
+    def __init__(self, told: Callable[[Milestone], None] | None = None) -> None:
         """Set up the line without showing it; `told` hears of each solve that ended."""
         self._told = told
         console = Console(stderr=True)
@@ -43,7 +43,7 @@ class LiveLine(Watch):
         if self._seen:
             self._bar.stop()
 
-    def step(self, step: Step) -> None:
+    def step(self, step: Milestone) -> None:
         """Hand it on."""
         if self._told:
             self._told(step)

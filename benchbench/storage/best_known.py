@@ -28,19 +28,19 @@ HEAD = """# Best certified travel time known for each task, transcription and gr
 # `command` behind `python -m benchbench` gives it again. travel_time_s has the rewards of optional stops taken off.
 """
 
-Entry = dict[str, Any]
+KnownValue = dict[str, Any]
 
 
 @dataclass(frozen=True)
 class BestKnown:
     """Entries by `task_hash`; each has `travel_time_s` and `command` at least."""
 
-    entries: Mapping[str, Entry]
+    entries: Mapping[str, KnownValue]
 
     @classmethod
     def load(cls, *files: Path) -> Self:
         """Read files that exist, the better entry of each task; raises BadInput for one that cannot be used."""
-        entries: dict[str, Entry] = {}
+        entries: dict[str, KnownValue] = {}
         for path in files:
             for entry in _read(path):
                 old = entries.get(entry["task_hash"])
@@ -82,7 +82,7 @@ def beats(time: float, best: float | None) -> bool:
     return best is None or time < best * (1 - SAME)
 
 
-def entry(record: Record, command: str) -> Entry:
+def entry(record: Record, command: str) -> KnownValue:
     """Return what is stored of a certified record with a `task_hash`."""
     said = {name: record[name] for name in (*IDENTITY, *FOUND) if record[name] is not None}
     identity = {name: said.pop(name) for name in IDENTITY if name in said}
@@ -90,7 +90,7 @@ def entry(record: Record, command: str) -> Entry:
     return {**identity, **found, "task_hash": record["task_hash"], **said}
 
 
-def _order(one: Entry) -> tuple[tuple[bool, str, float], ...]:
+def _order(one: KnownValue) -> tuple[tuple[bool, str, float], ...]:
     """Texts by alphabet, numbers by size, what is missing first."""
     values = (one.get(name) for name in IDENTITY)
     return tuple(
@@ -98,7 +98,7 @@ def _order(one: Entry) -> tuple[tuple[bool, str, float], ...]:
     )
 
 
-def _read(path: Path) -> Iterable[Entry]:
+def _read(path: Path) -> Iterable[KnownValue]:
     if not path.is_file():
         return []
     try:

@@ -11,7 +11,7 @@ from benchbench.arrays import Array
 
 
 @dataclass(frozen=True)
-class Entry:
+class LogEntry:
     """A message for a Foxglove channel at a log time in ns."""
 
     log_time: int

@@ -16,7 +16,7 @@ from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import ONLY, Plan
-from benchbench.storage.entry import Entry, nanoseconds
+from benchbench.storage.entry import LogEntry, nanoseconds
 from benchbench.storage.files import replacing
 
 if TYPE_CHECKING:
@@ -125,13 +125,13 @@ def replay_series(replay: Replay | None, plan: Plan, model: Model) -> Iterator[S
     yield Series("/replay/end_effector", replay.time, XYZ, METRES, tool)
 
 
-def _numbers(context: Context, series: Series) -> Iterator[Entry]:
+def _numbers(context: Context, series: Series) -> Iterator[LogEntry]:
     from foxglove import Channel
 
     channel = Channel(series.topic, schema=_schema(series), context=context)
     for log_time, time, row in zip(nanoseconds(series.times), series.times, series.values, strict=True):
         values = dict(zip(series.names, map(_number, row), strict=True))
-        yield Entry(log_time, channel, {"time": float(time), **values})
+        yield LogEntry(log_time, channel, {"time": float(time), **values})
 
 
 def _number(value: float) -> float | None:

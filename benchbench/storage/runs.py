@@ -15,7 +15,7 @@ from benchbench.storage.table import append, folder
 
 
 @dataclass(frozen=True)
-class Stored:
+class StoredRun:
     """A run: its record, and its folder, None where only its row is left."""
 
     record: Record
@@ -27,13 +27,13 @@ class Stored:
         return str(self.record["run_id"])
 
 
-def stored(root: Path) -> list[Stored]:
+def stored(root: Path) -> list[StoredRun]:
     """Return all runs below a folder of results, by start; raises BadInput where there is no such folder."""
     found = collect([root])
-    return [Stored(*run) for run in zip(found.rows.to_pylist(), found.folders, strict=True)]
+    return [StoredRun(*run) for run in zip(found.rows.to_pylist(), found.folders, strict=True)]
 
 
-def remove(root: Path, names: Sequence[str]) -> list[Stored]:
+def remove(root: Path, names: Sequence[str]) -> list[StoredRun]:
     """Remove the folders and rows of runs by `run_id` or folder and return them; raises BadInput for a name that is no run's.
 
     Nothing is removed unless every name is known.
@@ -70,7 +70,7 @@ def merge(root: Path, others: Sequence[Path]) -> list[Path]:
     return made
 
 
-def _named(name: str, runs: Sequence[Stored]) -> Stored:
+def _named(name: str, runs: Sequence[StoredRun]) -> StoredRun:
     for run in runs:
         if run.name == name or (run.folder is not None and run.folder.resolve() == Path(name).resolve()):
             return run

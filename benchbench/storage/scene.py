@@ -32,7 +32,7 @@ from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
-from benchbench.storage.entry import Entry, nanoseconds
+from benchbench.storage.entry import LogEntry, nanoseconds
 from benchbench.storage.flight import vehicle_pose
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ Paths = Mapping[str, tuple[Array, Array]]
 """Positions (n, 3) m and unit quaternions (n, 4) as x, y, z, w of each frame, by name."""
 
 
-def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Iterator[Entry]:
+def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Iterator[LogEntry]:
     """Messages on /tf, /path/... and /scene, at the nodes of the plan."""
     paths = _paths(plan, scenario, model)
     log_times = nanoseconds(plan.time)
@@ -57,12 +57,12 @@ def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Ite
     for name, (position, quaternion) in paths.items():
         poses = [_pose(p, q) for p, q in zip(position, quaternion, strict=True)]
         channel = PosesInFrameChannel(f"/path/{name}", context=context)
-        yield Entry(0, channel, PosesInFrame(timestamp=_stamp(0), frame_id=WORLD, poses=poses))
-    yield Entry(0, view, SceneUpdate(entities=[_path_lines(paths), *furniture(scenario)]))
+        yield LogEntry(0, channel, PosesInFrame(timestamp=_stamp(0), frame_id=WORLD, poses=poses))
+    yield LogEntry(0, view, SceneUpdate(entities=[_path_lines(paths), *furniture(scenario)]))
     for k, log_time in enumerate(log_times):
-        yield Entry(log_time, frames, FrameTransforms(transforms=_transforms(paths, k, log_time)))
+        yield LogEntry(log_time, frames, FrameTransforms(transforms=_transforms(paths, k, log_time)))
         body = _body(model.plant().skeleton(plan.configuration[k]), log_time)
-        yield Entry(log_time, view, SceneUpdate(entities=[body, _points(paths, k, log_time)]))
+        yield LogEntry(log_time, view, SceneUpdate(entities=[body, _points(paths, k, log_time)]))
 
 
 @singledispatch

@@ -14,7 +14,7 @@ from benchbench.storage.files import RECORD
 from benchbench.tuning import outcome
 from benchbench.tuning.search import search
 from benchbench.tuning.space import read
-from benchbench.tuning.task import Task
+from benchbench.tuning.task import StudySettings
 
 Launch = Callable[[Path, Sequence[Sequence[str]], int], None]
 """Carries out runs given by overrides, the n-th in the folder `first + n` of the given one."""
@@ -24,7 +24,7 @@ def run(
     arguments: Sequence[str], over: Sequence[str], asked: Mapping[str, Any], folder: Path, launch: Launch
 ) -> int:
     """Return 0 if a trial has all its plans certified, otherwise 1. Raises BadInput."""
-    task = Task.of(**asked)
+    task = StudySettings.of(**asked)
     space = read(arguments, over)
     study = task.open()
     console = Console(highlight=False, soft_wrap=True)
@@ -58,7 +58,7 @@ def _record(path: Path) -> Mapping[str, Any] | None:
     return content
 
 
-def _show(console: Console, task: Task, best: Sequence[Any]) -> None:
+def _show(console: Console, task: StudySettings, best: Sequence[Any]) -> None:
     if not best:
         console.print("no trial has all its plans certified")
         return

@@ -10,17 +10,19 @@ from optuna.trial import FrozenTrial, Trial, TrialState
 
 from benchbench.storage.status import Status
 from benchbench.tuning.outcome import good
-from benchbench.tuning.space import Space
-from benchbench.tuning.task import Task
+from benchbench.tuning.space import SearchSpace
+from benchbench.tuning.task import StudySettings
 
 WORST = 1e9
 """Objective of a plan that is not certified; its constraint keeps the trial from being called good."""
 
-Plan = Callable[[int, Sequence[Sequence[str]]], Sequence[Mapping[str, Any] | None]]
+CarryOut = Callable[[int, Sequence[Sequence[str]]], Sequence[Mapping[str, Any] | None]]
 """Carries out runs, each given by its overrides, for the trial of that number; gives their records."""
 
 
-def search(task: Task, study: optuna.Study, space: Space, plan: Plan, told: Callable[[str], None]) -> None:
+def search(
+    task: StudySettings, study: optuna.Study, space: SearchSpace, plan: CarryOut, told: Callable[[str], None]
+) -> None:
     """Do `task.n_trials` trials."""
     for _ in range(task.n_trials):
         trial = study.ask(space.tuned)
@@ -43,7 +45,7 @@ def search(task: Task, study: optuna.Study, space: Space, plan: Plan, told: Call
 
 
 def _tell(
-    task: Task,
+    task: StudySettings,
     study: optuna.Study,
     trial: Trial,
     done: Sequence[Mapping[str, Any] | None],
@@ -58,14 +60,14 @@ def _tell(
     study.tell(trial, [sum(_cost(record, name) for record in done) for name in task.objectives])
 
 
-def _reporting(task: Task, trial: int, done: Sequence[Mapping[str, Any] | None]) -> str:
+def _reporting(task: StudySettings, trial: int, done: Sequence[Mapping[str, Any] | None]) -> str:
     """The override that makes a run report its solves to the trial, see benchbench.tuning.steps."""
     name = task.objectives[0]
     before = float(sum(_cost(record, name) for record in done))
     texts = {"storage": task.storage, "study_name": task.study_name, "objective": name}
     told = [f"{key}:{_quoted(text)}" for key, text in texts.items()]
     told += [f"trial:{trial}", f"problem:{len(done)}", f"before:{before!r}"]
-    return f"on_step={{_target_:benchbench.tuning.steps.Report,{','.join(told)}}}"
+    return f"on_step={{_target_:benchbench.tuning.steps.TrialReport,{','.join(told)}}}"
 
 
 def _quoted(text: str) -> str:

@@ -22,7 +22,7 @@ GRAMMAR = (
 
 
 @dataclass(frozen=True)
-class Space:
+class SearchSpace:
     """A tuning task: `tuned` distributions by field, the `problems` a trial must plan, `fixed` overrides."""
 
     tuned: dict[str, BaseDistribution]
@@ -30,7 +30,7 @@ class Space:
     fixed: tuple[str, ...]
 
 
-def read(arguments: Sequence[str], over: Sequence[str]) -> Space:
+def read(arguments: Sequence[str], over: Sequence[str]) -> SearchSpace:
     """Sort overrides into fields to tune, problems (swept fields named in `over`) and fixed ones.
 
     Raises BadInput for a range that is empty and if nothing is to be tuned.
@@ -51,7 +51,7 @@ def read(arguments: Sequence[str], over: Sequence[str]) -> Space:
             tuned[parsed.get_key_element()] = _distribution(parsed)
     if not any(len(getattr(d, "choices", (0, 1))) > 1 for d in tuned.values()):
         raise BadInput("hydra.sweeper", "no field is to be tuned", f"FIELD={GRAMMAR}")
-    return Space(tuned, tuple(problems), tuple(fixed))
+    return SearchSpace(tuned, tuple(problems), tuple(fixed))
 
 
 def _distribution(override: Override) -> BaseDistribution:

@@ -9,7 +9,7 @@ from optuna.pruners import BasePruner
 from optuna.trial import FrozenTrial
 
 from benchbench.errors import Pruned
-from benchbench.nlp.ledger import Step
+from benchbench.nlp.ledger import Milestone
 from benchbench.tuning.outcome import good
 from benchbench.tuning.storage import opened
 
@@ -35,7 +35,7 @@ class Bound(BasePruner):
 
 
 @final
-class Report:
+class TrialReport:
     """Reports the solves of a run to its trial of a study.
 
     trial      number of the trial
@@ -51,7 +51,7 @@ class Report:
         self._step, self._before = problem * STEPS_PER_PROBLEM, before
         self._trial: optuna.Trial | None = None
 
-    def __call__(self, step: Step) -> None:
+    def __call__(self, step: Milestone) -> None:
         """Report one step. Raises Pruned."""
         value: float | None = getattr(step, self._objective)
         if step.guess or value is None:

@@ -22,7 +22,7 @@ TRIES = 8
 
 
 @dataclass(frozen=True)
-class Task:
+class StudySettings:
     """Settings of a study.
 
     objectives  numeric columns of the record, each summed over the problems and minimised
@@ -44,7 +44,7 @@ class Task:
     def of(
         cls, study_name: str, storage: str, n_trials: int, objectives: Sequence[str], sampler: str, seed: int | None,
         prune: bool | str | None,
-    ) -> Task:  # fmt: skip
+    ) -> StudySettings:  # fmt: skip
         """Check them; raises BadInput."""
         numbers = [column.name for column in COLUMNS if column.type in ("int", "float")]
         for name in objectives:

@@ -12,7 +12,7 @@ from benchbench.errors import BadInput
 from benchbench.run.summary import complain
 
 if TYPE_CHECKING:
-    from benchbench.storage.best_known import Entry
+    from benchbench.storage.best_known import KnownValue
     from benchbench.storage.schema import Record
 
 EPILOG = """Only certified plans count, and only those better by more than 1e-6 of the travel time. A plan whose command line
@@ -46,7 +46,7 @@ def run(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _better(record: Record, folder: Path, entries: dict[str, Entry]) -> Entry | None:
+def _better(record: Record, folder: Path, entries: dict[str, KnownValue]) -> KnownValue | None:
     """What a certified record adds to the entries, None where it adds nothing."""
     from benchbench.storage.best_known import beats, entry, net_time
 
@@ -105,7 +105,7 @@ def _command(record: Record, folder: Path) -> str:
     return shlex.join(told)
 
 
-def _told(new: Entry, old: Entry | None) -> str:
+def _told(new: KnownValue, old: KnownValue | None) -> str:
     kappa = f", kappa_init = {new['kappa_init']}" if "kappa_init" in new else ""
     what = (
         f"{new['scenario']}, {new['dynamics']}, N = {new['intervals']}{kappa}: {new['travel_time_s']:.6f} s"

@@ -17,7 +17,7 @@ from benchbench.errors import BadInput
 from benchbench.regression import baseline
 from benchbench.regression.compare import Change, compare
 from benchbench.regression.matrix import Matrix
-from benchbench.regression.measure import Entry, measure
+from benchbench.regression.measure import Measured, measure
 from benchbench.regression.reference import Reference
 
 STYLE = {"same": "", "better": "green", "WORSE": "bold red"}
@@ -58,7 +58,7 @@ def _parser() -> Parser:
     return parser
 
 
-def _check_names(matrix: Matrix, old: dict[str, Entry], update: bool) -> None:
+def _check_names(matrix: Matrix, old: dict[str, Measured], update: bool) -> None:
     if not update and set(matrix.cases) != set(old):
         differ = ", ".join(sorted(set(matrix.cases) ^ set(old)))
         raise BadInput(
@@ -66,7 +66,7 @@ def _check_names(matrix: Matrix, old: dict[str, Entry], update: bool) -> None:
         )
 
 
-def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> dict[str, Entry]:
+def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> dict[str, Measured]:
     reference = Reference()
     reference.cpu_s()
     console = Console(stderr=True)

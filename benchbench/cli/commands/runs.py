@@ -10,7 +10,7 @@ from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput
 
 if TYPE_CHECKING:
-    from benchbench.storage.runs import Stored
+    from benchbench.storage.runs import StoredRun
 
 EXAMPLES = """examples
   benchbench runs                                        the runs below results
@@ -43,7 +43,7 @@ def run(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _line(run: Stored) -> str:
+def _line(run: StoredRun) -> str:
     time = run.record["travel_time_s"]
     told = "" if time is None else f"  {time:.4f} s"
     place = run.folder or "its folder is gone"

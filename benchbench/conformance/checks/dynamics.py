@@ -183,17 +183,17 @@ def check_blocks(dynamics: Dynamics, model: Model) -> None:
     require(np.all(used), f"{np.sum(~used)} unknowns are in no constraint and no cost")
 
 
-Bounds = tuple[tuple[str, ...], Array, Array]
+NamedBounds = tuple[tuple[str, ...], Array, Array]
 """Names (n,), lower and upper limits (rows, n)."""
 
 
-def _boxes(transcribed: Transcribed, model: Model, scenario: Scenario, still: Plan) -> dict[str, Bounds]:
+def _boxes(transcribed: Transcribed, model: Model, scenario: Scenario, still: Plan) -> dict[str, NamedBounds]:
     """Limits of each row of a plan; those of curved inputs are left out."""
     grid = transcribed.trajectory.grid
     flown = scenario.flown(model, len(still.time))
     q = scenario.limits(model)
     everywhere = [np.tile(b, (len(still.time), 1)) for b in (q.lower, q.upper)]
-    found: dict[str, Bounds] = {
+    found: dict[str, NamedBounds] = {
         "configuration": (q.names, everywhere[0], everywhere[1]),
         "velocity": (model.velocity.names, *scenario.planned_rates_at(model, flown)),
     }
@@ -205,7 +205,7 @@ def _boxes(transcribed: Transcribed, model: Model, scenario: Scenario, still: Pl
     return found
 
 
-def _limits(box: Bounds, values: Array) -> Iterator[tuple[int, int, float, float, str]]:
+def _limits(box: NamedBounds, values: Array) -> Iterator[tuple[int, int, float, float, str]]:
     """Every finite limit in five rows: row, column, limit, a step inwards, name."""
     names, lower, upper = box
     for row in (0, 1, len(values) // 2, len(values) - 2, len(values) - 1):

@@ -12,7 +12,7 @@ from benchbench.mpcc.problem import Mpcc
 
 
 @dataclass(frozen=True)
-class Smooth:
+class SmoothProgram:
     """A program without pairs, its only solution x (n,) and objective for a sigma."""
 
     name: str
@@ -22,17 +22,17 @@ class Smooth:
     sigma: float = 0.0
 
 
-def convex() -> list[Smooth]:
+def convex() -> list[SmoothProgram]:
     """Programs that any solver must solve."""
     return [quadratic(), follows_sigma(2.0), follows_sigma(-1.0)]
 
 
-def hard() -> list[Smooth]:
+def hard() -> list[SmoothProgram]:
     """Programs with one solution that a solver may miss, but not misjudge."""
     return [hs071(), rosenbrock()]
 
 
-def hs071() -> Smooth:
+def hs071() -> SmoothProgram:
     """Hock & Schittkowski 1981, No. 71; to 1e-8 as in IPOPT's documentation."""
     cost = block("cost", range(4), lambda z, p, s: [z[0] * z[3] * (z[0] + z[1] + z[2]) + z[2]])
     rows = block(
@@ -43,25 +43,25 @@ def hs071() -> Smooth:
         [np.inf, 40],
     )
     mpcc = Mpcc((unknowns([1.0, 5.0, 5.0, 1.0], 1.0, 5.0),), (rows,), (cost,))
-    return Smooth("hs071", mpcc, np.array([1.0, 4.74299964, 3.82114998, 1.37940829]), 17.01401729)
+    return SmoothProgram("hs071", mpcc, np.array([1.0, 4.74299964, 3.82114998, 1.37940829]), 17.01401729)
 
 
-def rosenbrock() -> Smooth:
+def rosenbrock() -> SmoothProgram:
     """No constraints, no bounds: (1, 1)."""
     cost = block("cost", range(2), lambda z, p, s: [100 * (z[1] - z[0] ** 2) ** 2 + (1 - z[0]) ** 2])
-    return Smooth("rosenbrock", Mpcc((unknowns([-1.2, 1.0]),), (), (cost,)), np.ones(2), 0.0)
+    return SmoothProgram("rosenbrock", Mpcc((unknowns([-1.2, 1.0]),), (), (cost,)), np.ones(2), 0.0)
 
 
-def quadratic() -> Smooth:
+def quadratic() -> SmoothProgram:
     """Min |x|^2 / 2 with x_0 + x_1 + x_2 = 3, x_0 >= 1.5 and x_2 fixed at 0.5: (1.5, 1, 0.5)."""
     cost = block("cost", [[0], [1], [2]], lambda z, p, s: [z[0] ** 2 / 2])
     total = block("total", range(3), lambda z, p, s: [z[0] + z[1] + z[2]], 3.0, 3.0)
     x = unknowns([2.0, 0.0, 0.5], [1.5, -np.inf, 0.5], [np.inf, np.inf, 0.5])
-    return Smooth("quadratic", Mpcc((x,), (total,), (cost,)), np.array([1.5, 1.0, 0.5]), 1.75)
+    return SmoothProgram("quadratic", Mpcc((x,), (total,), (cost,)), np.array([1.5, 1.0, 0.5]), 1.75)
 
 
-def follows_sigma(sigma: float) -> Smooth:
+def follows_sigma(sigma: float) -> SmoothProgram:
     """Min (x - sigma)^2, x >= 0: max(sigma, 0)."""
     cost = block("cost", [0], lambda z, p, s: [(z[0] - s) ** 2])
     mpcc = Mpcc((unknowns([0.5], 0.0),), (), (cost,))
-    return Smooth(f"sigma={sigma:g}", mpcc, np.array([max(sigma, 0.0)]), min(sigma, 0.0) ** 2, sigma)
+    return SmoothProgram(f"sigma={sigma:g}", mpcc, np.array([max(sigma, 0.0)]), min(sigma, 0.0) ** 2, sigma)

@@ -27,7 +27,7 @@ from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import Known
 from benchbench.conformance.checks.relaxations import check_solution
 from benchbench.conformance.checks.require import close, require
-from benchbench.conformance.checks.smooth_programs import Smooth
+from benchbench.conformance.checks.smooth_programs import SmoothProgram
 from benchbench.conformance.checks.staged_programs import (
     falls_forever,
     impossible,
@@ -46,19 +46,21 @@ X_ERROR: dict[Accuracy, float] = {"low": 2e-2, "medium": 2e-3, "high": 1e-5}
 """Allowed relative error of x, much above what a KKT residual of 1e-4, 1e-6, 1e-8 gives."""
 
 
-def solved(solver: Solver, problem: Smooth, setup: Setup = SETUP, start: Point | None = None) -> Outcome:
+def solved(
+    solver: Solver, problem: SmoothProgram, setup: Setup = SETUP, start: Point | None = None
+) -> Outcome:
     """Prepare and solve once."""
     return solver.prepare(problem.mpcc, setup)(problem.sigma, start or Point(problem.mpcc.guess))
 
 
-def check_solves(solver: Solver, problem: Smooth) -> None:
+def check_solves(solver: Solver, problem: SmoothProgram) -> None:
     """A known solution, its multipliers and accounts."""
     outcome = solved(solver, problem)
     require(outcome.claim == "solved", f"{problem.name}: claims {outcome.claim} ({outcome.detail})")
     check_claim(problem, outcome)
 
 
-def check_claim(problem: Smooth, outcome: Outcome) -> None:
+def check_claim(problem: SmoothProgram, outcome: Outcome) -> None:
     """If the outcome claims to be solved, it is: x, objective, bounds, multipliers; and work was counted."""
     require(outcome.iterations >= 1, f"{problem.name}: {outcome.iterations} iterations")
     require(outcome.evaluations >= 1, f"{problem.name}: {outcome.evaluations} evaluations")
@@ -73,7 +75,7 @@ def check_claim(problem: Smooth, outcome: Outcome) -> None:
     _check_multipliers(problem, outcome.point)
 
 
-def _check_multipliers(problem: Smooth, point: Point) -> None:
+def _check_multipliers(problem: SmoothProgram, point: Point) -> None:
     if point.lam_g is None or point.lam_x is None:
         return
     program, x, lam_g, lam_x = assemble(problem.mpcc, "never"), point.x, point.lam_g, point.lam_x

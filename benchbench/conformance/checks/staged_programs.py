@@ -13,14 +13,14 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import block
-from benchbench.conformance.checks.smooth_programs import Smooth
+from benchbench.conformance.checks.smooth_programs import SmoothProgram
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
 
 N, H = 12, 1 / 12
 Law = Callable[[Any, Any, Any], Any]
 
 
-def rest_to_rest() -> Smooth:
+def rest_to_rest() -> SmoothProgram:
     """Least sum h u^2 from 0 to 1; the solution by linear algebra from the optimality conditions."""
     x, u = _variables(end=(1.0, 0.0))
     weights, matrix, ends = np.zeros(3 * N + 2), np.zeros((2 * N + 4, 3 * N + 2)), [0, 1, 2 * N, 2 * N + 1]
@@ -35,19 +35,21 @@ def rest_to_rest() -> Smooth:
     zero = np.zeros((len(matrix), len(matrix)))
     solution = np.linalg.solve(np.block([[np.diag(weights), matrix.T], [matrix, zero]]), right)[: 3 * N + 2]
     mpcc = Mpcc((x, u), (_steps(linear),), (_effort(),))
-    return Smooth("rest_to_rest", mpcc, solution, float(solution @ (weights * solution) / 2))
+    return SmoothProgram("rest_to_rest", mpcc, solution, float(solution @ (weights * solution) / 2))
 
 
-def lands_at(sigma: float) -> Smooth:
+def lands_at(sigma: float) -> SmoothProgram:
     """The same to the position sigma, said by a row."""
     whole = rest_to_rest()
     x, u = _variables(end=(np.nan, 0.0))
     there = block("there", (Slot("x", np.array([[2 * N]])),), lambda z, p, s: [z[0] - s])
     mpcc = Mpcc((x, u), (_steps(linear), there), (_effort(),))
-    return Smooth(f"lands_at={sigma:g}", mpcc, sigma * whole.solution, sigma**2 * whole.objective, sigma)
+    return SmoothProgram(
+        f"lands_at={sigma:g}", mpcc, sigma * whole.solution, sigma**2 * whole.objective, sigma
+    )
 
 
-def tracking() -> Smooth:
+def tracking() -> SmoothProgram:
     """A pendulum with known optimal forces: the cost is the squared distance from them, the end is where they lead."""
     forces = 3 * np.sin(np.arange(N) + 1.0)
     states = [(0.0, 0.0)]
@@ -56,7 +58,7 @@ def tracking() -> Smooth:
         states.append((float(position), float(speed)))
     x, u = _variables(end=states[-1])
     mpcc = Mpcc((x, u), (_steps(swinging),), (_effort(forces[:, None]),))
-    return Smooth("tracking", mpcc, np.concatenate([np.ravel(states), forces]), 0.0)
+    return SmoothProgram("tracking", mpcc, np.concatenate([np.ravel(states), forces]), 0.0)
 
 
 def impossible() -> Mpcc:

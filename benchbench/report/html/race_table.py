@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from benchbench.analysis.races import Row
+from benchbench.analysis.races import RaceRow
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class RaceCell:
     hint: str = ""
 
 
-def race_rows(rows: Sequence[Row]) -> tuple[list[int], list[list[RaceCell]]]:
+def race_rows(rows: Sequence[RaceRow]) -> tuple[list[int], list[list[RaceCell]]]:
     """Numbers of gates, and for each row method, vehicle and nodes per gate, then a cell for each number of gates."""
     gates = sorted({count for row in rows for count in row.cells})
     names = [[RaceCell((text,)) for text in (row.method, row.race, str(row.nodes))] for row in rows]
@@ -26,7 +26,7 @@ def race_rows(rows: Sequence[Row]) -> tuple[list[int], list[list[RaceCell]]]:
     ]
 
 
-def _race_cell(row: Row, gates: int) -> RaceCell:
+def _race_cell(row: RaceRow, gates: int) -> RaceCell:
     cell = row.cells.get(gates)
     if cell is None:
         return RaceCell(("",))

@@ -28,7 +28,7 @@ from benchbench.ocp.model import (
 from benchbench.ocp.space import Space
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
-from benchbench_plugins.models.attitude import ATTITUDES, Kind
+from benchbench_plugins.models.attitude import ATTITUDES, AttitudeKind
 from benchbench_plugins.models.attitude_space import AttitudeSpace
 
 POSITION, VELOCITY, ANGLES = ("x", "y", "z"), ("vx", "vy", "vz"), ("roll", "pitch", "yaw")
@@ -49,7 +49,7 @@ class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel
         self,
         name: str,
         force_model: Literal["virtual_work", "paper"] = "virtual_work",
-        attitude: Kind = "euler",
+        attitude: AttitudeKind = "euler",
         **parameters: Any,
     ) -> None:
         """Take the fields of `Parameters` as keywords; raises BadInput that names a wrong field."""

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 from benchbench.arrays import Array
 from benchbench_plugins.models.attitude_plant import Angles, AttitudePlant, Quaternions
 
-Kind = Literal["euler", "quaternion"]
+AttitudeKind = Literal["euler", "quaternion"]
 
 
 class Attitude(ABC):
@@ -219,7 +219,7 @@ class UnitQuaternion(Attitude):
         return Quaternions()
 
 
-ATTITUDES: dict[Kind, Attitude] = {"euler": EulerAngles(), "quaternion": UnitQuaternion()}
+ATTITUDES: dict[AttitudeKind, Attitude] = {"euler": EulerAngles(), "quaternion": UnitQuaternion()}
 
 
 def rate_matrix(a: ca.SX) -> ca.SX:

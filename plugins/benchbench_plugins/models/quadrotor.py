@@ -30,7 +30,7 @@ from benchbench.ocp.model import (
 )
 from benchbench.ocp.scenario import NonNegative, Positive, Range
 from benchbench.ocp.space import Space
-from benchbench_plugins.models.attitude import ATTITUDES, Attitude, Kind
+from benchbench_plugins.models.attitude import ATTITUDES, Attitude, AttitudeKind
 from benchbench_plugins.models.attitude_space import AttitudeSpace
 from benchbench_plugins.models.quadrotor_plant import QuadrotorPlant
 
@@ -75,7 +75,7 @@ class Quadrotor(ExplicitModel, LagrangianModel, ManifoldModel, OutputModel, Ramp
     body_rate: Triple
     gravity: Positive = 9.8066
     ramp: Ramp | None = None
-    attitude: Kind = "quaternion"
+    attitude: AttitudeKind = "quaternion"
 
     def __post_init__(self) -> None:
         """Refuse a ramp that falls; raises BadInput."""

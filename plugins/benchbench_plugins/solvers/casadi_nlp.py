@@ -21,7 +21,7 @@ from benchbench.nlp.solver import Claim, Outcome, Parametric, Point, Prepared, S
 from benchbench_plugins.solvers.library import oracle, signatures
 from benchbench_plugins.solvers.output import last_line
 from benchbench_plugins.solvers.output import quiet as quiet
-from benchbench_plugins.solvers.watch import Watch
+from benchbench_plugins.solvers.watch import SolverWatch
 
 COMMON = {"calc_lam_p": False, "print_time": False, "error_on_fail": False}
 UNIFIED: dict[str, Claim] = {
@@ -107,7 +107,7 @@ def _runner(
 ) -> Callable[[Program, Array, Point], Outcome]:
     """Create the nlpsol; what it returns solves the program for p, with the bounds it is given."""
     needed = setup.progress is not None or not backend.timed
-    watch = Watch(program, setup) if backend.watched and needed else None
+    watch = SolverWatch(program, setup) if backend.watched and needed else None
     if watch:
         options = {**options, "iteration_callback": watch}
     solver = _create(backend.plugin, problem, options)
@@ -148,7 +148,7 @@ def _tiny() -> dict[str, ca.MX]:
 
 
 def _run(
-    solver: ca.Function, program: Program, claims: Mapping[str, Claim], watch: Watch | None, p: Array, start: Point,
+    solver: ca.Function, program: Program, claims: Mapping[str, Claim], watch: SolverWatch | None, p: Array, start: Point,
     most: int,
 ) -> Outcome:  # fmt: skip
     arguments: dict[str, Any] = {

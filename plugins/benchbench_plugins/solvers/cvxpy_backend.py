@@ -11,8 +11,8 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.solver import TOLERANCE, Outcome, Point, Prepared, Setup, Solver
-from benchbench_plugins.solvers.cvxpy_backend_loop import Method, Rules
-from benchbench_plugins.solvers.cvxpy_backend_model import Model
+from benchbench_plugins.solvers.cvxpy_backend_loop import Rules, SequentialSolve
+from benchbench_plugins.solvers.cvxpy_backend_model import LocalModel
 from benchbench_plugins.solvers.cvxpy_backend_qp import Subproblem, cvxpy
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -35,7 +35,7 @@ class Cvxpy(Solver):
     * B: the Lagrangian's Hessian, instance by instance of each block with its negative eigenvalues cut off;
       halved, down to 1/1000, after a step that gained over 1.3 times what was promised, doubled up to 1
       after less than 0.75. Exact for one convex block; in general convergence is linear.
-    * Rows are scaled by slope and curvature at the start, see `Model`.
+    * Rows are scaled by slope and curvature at the start, see `LocalModel`.
     * Acceptance: actual over promised fall of f + sum w_i violation_i above 1e-4. The radius grows by 2.5
       above 0.75 at the edge and is halved below 0.25; after a rejection it is 0.4 times the step. A rejected
       step that raised the violation gets a second-order correction first (section 18.3): the same problem
@@ -60,13 +60,13 @@ class Cvxpy(Solver):
         """Assemble, pose the subproblem. Raises Unavailable."""
         cvxpy()
         native = self.native_options(setup)
-        model = Model(mpcc, setup.compile)
+        model = LocalModel(mpcc, setup.compile)
         subproblem = Subproblem(model, self.solver, native["options"])
         limits = (native["tolerance"], native["iterations"], native["seconds"])
         rules = Rules(*limits, self.radius, self.weight, setup.progress)
 
         def solve(sigma: float, start: Point) -> Outcome:
-            return Method(model, subproblem, rules, sigma).run(start.x)
+            return SequentialSolve(model, subproblem, rules, sigma).run(start.x)
 
         return solve
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.nlp.solver import Claim, Outcome, Point, Progress
-from benchbench_plugins.solvers.cvxpy_backend_model import Linear, Model
+from benchbench_plugins.solvers.cvxpy_backend_model import LocalModel, LocalProgram
 from benchbench_plugins.solvers.cvxpy_backend_qp import Step, Subproblem
 
 ACCEPT = 1e-4
@@ -42,14 +42,14 @@ class Rules:
 
 
 @dataclass(frozen=True)
-class State:
+class Iterate:
     """An iterate x (n,), the program there, multipliers, weights; `promise` is what the last model hoped for.
 
     `stiffness` in (0, 1] multiplies the curvature, which by its construction is too large.
     """
 
     x: Array
-    at: Linear
+    at: LocalProgram
     lam_g: Array
     lam_x: Array
     weights: Array
@@ -59,10 +59,10 @@ class State:
 
 
 @dataclass(frozen=True)
-class Method:
+class SequentialSolve:
     """One solve for one sigma."""
 
-    model: Model
+    model: LocalModel
     subproblem: Subproblem
     rules: Rules
     sigma: float
@@ -87,14 +87,14 @@ class Method:
         spent = time.process_time() - cpu
         return Outcome(claim, point, state.at.f, count, self.model.evaluations, spent, detail)
 
-    def _first(self, start: Array) -> State:
+    def _first(self, start: Array) -> Iterate:
         x = np.clip(start, self.model.program.lower_x, self.model.program.upper_x)
         self.model.begin(x, self.sigma)
         m, n = self.model.m, self.model.n
         weights = np.full(m, self.rules.weight)
-        return State(x, self.model.at(x, self.sigma), np.zeros(m), np.zeros(n), weights, self.rules.radius)
+        return Iterate(x, self.model.at(x, self.sigma), np.zeros(m), np.zeros(n), weights, self.rules.radius)
 
-    def _advance(self, state: State) -> State:
+    def _advance(self, state: Iterate) -> Iterate:
         """Take one step, with a smaller trust region as often as needed; the same x when none helps."""
         curvature = state.stiffness * self.model.curvature(state.x, self.sigma, state.lam_g)
         self.subproblem.pose(state.at, curvature, state.weights)
@@ -118,8 +118,8 @@ class Method:
         return replace(state, radius=radius)
 
     def _try(
-        self, state: State, step: Step, promise: float, low: Array, high: Array
-    ) -> tuple[Array, Linear, float]:
+        self, state: Iterate, step: Step, promise: float, low: Array, high: Array
+    ) -> tuple[Array, LocalProgram, float]:
         """Judge the step; where it lost for a larger violation, judge its second-order correction."""
         x = state.x + step.d
         at = self.model.at(x, self.sigma)
@@ -134,7 +134,7 @@ class Method:
         at = self.model.at(x, self.sigma)
         return x, at, (before - self._merit(state, at)) / promise
 
-    def _polish(self, state: State, step: Step, box: tuple[Array, Array]) -> State:
+    def _polish(self, state: Iterate, step: Step, box: tuple[Array, Array]) -> Iterate:
         """Take a step that promises nothing only if it lessens the violation and costs nothing."""
         x = state.x + step.d
         at = self.model.at(x, self.sigma)
@@ -145,7 +145,9 @@ class Method:
             return self._adopt(state, step, box, x, at)
         return self._adopt(state, step, box, state.x, state.at)
 
-    def _adopt(self, state: State, step: Step, box: tuple[Array, Array], x: Array, at: Linear) -> State:
+    def _adopt(
+        self, state: Iterate, step: Step, box: tuple[Array, Array], x: Array, at: LocalProgram
+    ) -> Iterate:
         """Next iterate: a row with slack left weighs four times as much, another near twice its multiplier."""
         needed = 2 * np.abs(step.lam_g)
         left = self.model.outside(state.at.g + state.at.jacobian @ step.d) > 1e-9
@@ -156,7 +158,7 @@ class Method:
         lower = np.where(low <= program.lower_x - state.x, np.minimum(step.lam_d, 0.0), 0.0)
         return replace(state, x=x, at=at, lam_g=step.lam_g, lam_x=upper + lower, weights=weights)
 
-    def _verdict(self, state: State, before: State) -> tuple[Claim | None, str]:
+    def _verdict(self, state: Iterate, before: Iterate) -> tuple[Claim | None, str]:
         """Solved: violation and either KKT residual or promise are small enough. Else it may be stuck."""
         violation, residual, tolerance = state.at.violation, self._kkt(state), self.rules.tolerance
         worst = float(violation.max(initial=0.0))
@@ -172,13 +174,13 @@ class Method:
             return "solved" if acceptable else "failed", f"no step helps any more, {detail}"
         return None, ""
 
-    def _kkt(self, state: State) -> float:
+    def _kkt(self, state: Iterate) -> float:
         """Largest entry of grad f + J' lam_g + lam_x, over the largest multiplier where that exceeds 1."""
         slope = state.at.gradient + state.at.jacobian.T @ state.lam_g + state.lam_x
         largest = max(np.abs(lam).max(initial=1.0) for lam in (state.lam_g, state.lam_x))
         return float(np.abs(slope).max() / largest)
 
-    def _promise(self, state: State, d: Array, curvature: Array) -> float:
+    def _promise(self, state: Iterate, d: Array, curvature: Array) -> float:
         """How much the convex model of the merit function falls along d."""
         rows, columns = self.model.curvature_pattern
         bend = float(np.sum(curvature * d[rows] * d[columns])) / 2
@@ -186,7 +188,7 @@ class Method:
         gained = float(state.weights @ (self.model.outside(state.at.g) - linear))
         return gained - float(state.at.gradient @ d) - bend
 
-    def _merit(self, state: State, at: Linear) -> float:
+    def _merit(self, state: Iterate, at: LocalProgram) -> float:
         """The l1 penalty function with the weights of a state; infinite where something is not finite."""
         return at.f + float(state.weights @ self.model.outside(at.g)) if at.finite else np.inf
 

@@ -15,7 +15,7 @@ from benchbench.nlp.program import Program, assemble
 
 
 @dataclass(frozen=True)
-class Linear:
+class LocalProgram:
     """A program at a point x: f, df/dx (n,), scaled rows g (m,) and dg/dx (m, n); violation (m,) is unscaled."""
 
     f: float
@@ -31,7 +31,7 @@ class Linear:
         return all(bool(np.all(np.isfinite(part))) for part in numbers)
 
 
-class Model:
+class LocalModel:
     """An assembled program; rows are scaled once, at the first point.
 
     A row is divided by its largest slope and curvature there, if that is above 1. The curvature matters: at
@@ -49,7 +49,9 @@ class Model:
         self.scale: Array = np.ones(self.m)
         self.evaluations = 0
         local = derivatives([b.function for b in blocks], compile)
-        self.curves = [_Curve(b, d, gather(b, mpcc.offsets)) for b, d in zip(blocks, local, strict=True)]
+        self.curves = [
+            _BlockCurvature(b, d, gather(b, mpcc.offsets)) for b, d in zip(blocks, local, strict=True)
+        ]
         keys = [curve.i * self.n + curve.j for curve in self.curves]
         unique, inverse = np.unique(
             np.concatenate([np.zeros(0, np.int64), *(k.ravel() for k in keys)]), return_inverse=True
@@ -68,7 +70,7 @@ class Model:
         low, high = self.bounds
         return np.maximum(np.maximum(low - g, g - high), 0.0)
 
-    def at(self, x: Array, sigma: float) -> Linear:
+    def at(self, x: Array, sigma: float) -> LocalProgram:
         """Evaluate at x."""
         self.evaluations += 2
         f, gradient = self.program.gradient(x, sigma)
@@ -78,7 +80,7 @@ class Model:
         slopes = np.array(jacobian.nonzeros()) * self.scale[rows]
         matrix = sparse.csr_array((slopes, (rows, columns)), shape=(self.m, self.n))
         violation = np.maximum(np.maximum(self.program.lower_g - g, g - self.program.upper_g), 0.0)
-        return Linear(float(f), np.asarray(gradient).ravel(), self.scale * g, matrix, violation)
+        return LocalProgram(float(f), np.asarray(gradient).ravel(), self.scale * g, matrix, violation)
 
     def begin(self, x: Array, sigma: float) -> None:
         """Choose the row scales at the first point x and count evaluations from now on."""
@@ -105,7 +107,7 @@ class Model:
         return total
 
 
-class _Curve:
+class _BlockCurvature:
     """Second derivatives of one block on all its instances, on the local unknowns that have any."""
 
     def __init__(self, block: Block, local: Derivatives, index: Index) -> None:

@@ -11,7 +11,7 @@ from scipy import sparse
 
 from benchbench.arrays import Array, Index
 from benchbench.errors import Unavailable
-from benchbench_plugins.solvers.cvxpy_backend_model import Linear, Model
+from benchbench_plugins.solvers.cvxpy_backend_model import LocalModel, LocalProgram
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Subproblem:
     2019, "Differentiable convex optimization layers") compiles it once; B and J are sparse parameters.
     """
 
-    def __init__(self, model: Model, solver: str, options: dict[str, Any]) -> None:
+    def __init__(self, model: LocalModel, solver: str, options: dict[str, Any]) -> None:
         self.model, self.solver, self.options = model, solver, options
         cp = cvxpy()
         self.d = cp.Variable(model.n)
@@ -48,7 +48,7 @@ class Subproblem:
             self.rows = _rows(model, self.jacobian @ self.d + under - over)
         self.problem = cp.Problem(cp.Minimize(cost), [*self.edges, *(r.rule for r in self.rows)])
 
-    def pose(self, at: Linear, curvature: Array, weights: Array) -> None:
+    def pose(self, at: LocalProgram, curvature: Array, weights: Array) -> None:
         """Set the model around a point; curvature holds the entries of B at the model's pattern."""
         self.gradient.value = at.gradient
         if self.model.curvature_pattern[0].size:
@@ -92,11 +92,11 @@ class _Rows:
     sign: float
     upper: bool
 
-    def bound(self, model: Model) -> Array:
+    def bound(self, model: LocalModel) -> Array:
         return model.bounds[1 if self.upper else 0]
 
 
-def _rows(model: Model, change: Any) -> list[_Rows]:
+def _rows(model: LocalModel, change: Any) -> list[_Rows]:
     """Equalities, upper and lower bounds of g + change."""
     low, high = model.program.lower_g, model.program.upper_g
     equal = low == high

@@ -9,7 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.solver import TOLERANCE, Claim, Outcome, Point, Prepared, Setup, Solver
-from benchbench.nlp.stages import Stages, stages
+from benchbench.nlp.stages import Staged, stages
 from benchbench_plugins.solvers import casadi_nlp
 from benchbench_plugins.solvers.casadi_nlp import Backend
 
@@ -56,7 +56,7 @@ class Fatrop(Solver):
         return casadi_nlp.version("fatrop")
 
 
-def _structure(staged: Stages) -> dict[str, Any]:
+def _structure(staged: Staged) -> dict[str, Any]:
     return {
         "structure_detection": "manual", "N": len(staged.states) - 1,
         "nx": list(staged.states), "nu": list(staged.inputs), "ng": list(staged.path),

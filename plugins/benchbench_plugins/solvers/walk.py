@@ -50,7 +50,7 @@ class Inexpressible(Exception):
 
 
 @dataclass(frozen=True)
-class Step:
+class Instruction:
     """One value: an operation on earlier values, a constant, or entry `place` (input, entry) of the inputs.
 
     `shared`: it is used more than once.
@@ -67,7 +67,7 @@ class Step:
 class Tape:
     """The instructions of a function; `outputs` says which step gives each entry of each output."""
 
-    steps: tuple[Step, ...]
+    steps: tuple[Instruction, ...]
     outputs: tuple[tuple[int, ...], ...]
 
     def reads(self, which: int) -> bool:
@@ -111,7 +111,7 @@ def record(function: ca.Function) -> Tape:
     results = ca.cse([ca.densify(out) for out in scalar.call(symbols)])
     plain = ca.Function("plain", symbols, results)
     entries = [symbol.sparsity().find() for symbol in symbols]
-    steps: list[Step] = []
+    steps: list[Instruction] = []
     outputs = [[0] * out.numel() for out in results]
     register: dict[int, int] = {}
     for k in range(plain.n_instructions()):
@@ -121,11 +121,11 @@ def record(function: ca.Function) -> Tape:
             outputs[written[0]][written[1]] = register[read[0]]
             continue
         if name == "const":
-            step = Step(name, constant=float(plain.instruction_constant(k)))
+            step = Instruction(name, constant=float(plain.instruction_constant(k)))
         elif name == "input":
-            step = Step(name, place=(read[0], entries[read[0]][read[1]]))
+            step = Instruction(name, place=(read[0], entries[read[0]][read[1]]))
         elif name:
-            step = Step(name, tuple(register[i] for i in read))
+            step = Instruction(name, tuple(register[i] for i in read))
         else:
             raise Inexpressible(f"operation {plain.instruction_id(k)} of CasADi")
         register[written[0]] = len(steps)

@@ -14,7 +14,7 @@ from benchbench.nlp.solver import Progress, Setup
 
 
 @final
-class Watch(ca.Callback):
+class SolverWatch(ca.Callback):
     """Called each iteration: hands it to the progress display, and stops a plugin without a time limit."""
 
     def __init__(self, program: Program, setup: Setup) -> None:

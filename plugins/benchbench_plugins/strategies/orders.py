@@ -20,7 +20,7 @@ from benchbench.planning.result import Result
 from benchbench.planning.search import Candidate, Found, best_first
 from benchbench.planning.strategy import pose
 
-Order = tuple[int, ...]
+GateOrder = tuple[int, ...]
 
 
 @final
@@ -42,10 +42,10 @@ class Orders(Strategy):
             )
         numbers, plant = range(1, len(race.listed) + 1), model.plant()
 
-        def begun(order: Order) -> Candidate[Order]:
+        def begun(order: GateOrder) -> Candidate[GateOrder]:
             return Candidate(order, order_bound(race, model, plant, order))
 
-        def split(order: Order) -> Sequence[Candidate[Order]]:
+        def split(order: GateOrder) -> Sequence[Candidate[GateOrder]]:
             return [begun((*order, i)) for i in numbers if i not in order]
 
         best, account = best_first(
@@ -56,7 +56,7 @@ class Orders(Strategy):
         )
         return replace(best.result, account={"search": account.told("orders, whole or begun")})
 
-    def _fly(self, case: Case, ledger: Ledger, race: Race, order: Order) -> Found[Result]:
+    def _fly(self, case: Case, ledger: Ledger, race: Race, order: GateOrder) -> Found[Result]:
         ordered = replace(case, scenario=race.flown_in(order))
         start = posing.start(ordered, ledger)
         with ledger.building():

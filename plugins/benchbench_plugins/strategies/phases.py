@@ -12,7 +12,7 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
 from benchbench.planning.case import Case, Strategy
-from benchbench.planning.guess import Given
+from benchbench.planning.guess import GivenStart
 from benchbench.planning.margins import measured
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import pose, retried
@@ -42,7 +42,7 @@ class Phases(Strategy):
 
         def repeatedly(case: Case, near: Result | None) -> Result:
             if near is not None:
-                case = replace(case, guess=Given(near.plan), seed=0)
+                case = replace(case, guess=GivenStart(near.plan), seed=0)
             return retried(case, ledger, self.attempts, self.patience, once)
 
         return measured(case, ledger, self.margin, repeatedly)

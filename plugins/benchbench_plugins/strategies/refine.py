@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import Case, Strategy
-from benchbench.planning.guess import Given
+from benchbench.planning.guess import GivenStart
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge, planned
 from benchbench.planning.validate import numbers
@@ -51,7 +51,7 @@ class Refine(Strategy):
         while not found or (intervals <= self.finest and not ledger.over):
             level = _on_grid(case, intervals)
             if found:
-                level = replace(level, guess=Given(found[-1][0].plan), seed=0)
+                level = replace(level, guess=GivenStart(found[-1][0].plan), seed=0)
             result = planned(self.of, level, ledger)
             found.append((result, judge(result, level, ledger).certified))
             verdict = "certified" if found[-1][1] else "not certified"

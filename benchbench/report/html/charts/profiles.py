@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from benchbench.analysis.costs import comparable, cost_matrix
-from benchbench.analysis.profiles import Step, data_profile, performance_profile
+from benchbench.analysis.profiles import Staircase, data_profile, performance_profile
 from benchbench.report.html.charts.chart import Chart, Styles, figure, line, logarithmic
 
 LEAST = 1e-6
@@ -74,7 +74,7 @@ def _costs(runs: pd.DataFrame, column: str) -> tuple[pd.DataFrame, str]:
 
 
 def _draw(
-    chart: Chart, profiles: Mapping[str, Step], styles: Styles, unit: str, start: float | None
+    chart: Chart, profiles: Mapping[str, Staircase], styles: Styles, unit: str, start: float | None
 ) -> Chart:
     made = figure(unit, "share of problems [%]", names=profiles)
     places = np.concatenate([x for x, _ in profiles.values()])
