@@ -17,6 +17,7 @@ import time
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
+from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -58,6 +59,7 @@ def _alone(environment: Mapping[str, str]) -> Iterator[None]:
     added = [entry for entry in own if entry and entry not in sys.path]
     handlers, level, chosen = root.handlers[:], root.level, HydraConfig.instance().cfg
     values = {**ENVIRONMENT, "COLUMNS": "80", **environment}
+    resource_tracker.ensure_running()  # lives on in the folder where it was started
     try:
         with (
             patch.dict(os.environ, values),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -16,19 +17,18 @@ import pandas as pd
 import pytest
 from hydra.core.global_hydra import GlobalHydra
 from omegaconf import OmegaConf, open_dict
-from program import program, records
-from test_launcher import BAD, RUNS, SWEEP, answers, path_with_bad_runs
+from program import COMMAND, ENVIRONMENT, records, told
+from sweeps import BAD, RUNS, SWEEP, answers, path_with_bad_runs
 
 from benchbench.run import config
 from benchbench.run.execution import Ended
 from benchbench.storage.table import read
+from benchbench.sweep import cluster as remote_cluster
 from benchbench.sweep import remote
 from benchbench.sweep.job import Job
 
 pytest.importorskip("distributed")
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="kills process groups")
-
-ONE_THREAD = {"OMP_NUM_THREADS": "1"}
 
 
 @contextmanager
@@ -38,7 +38,7 @@ def started(folder: Path, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
         process = subprocess.Popen(
             [sys.executable, "-m", "distributed.cli." + arguments[0], *arguments[1:]], cwd=folder, stdout=log,
             stderr=log, start_new_session=True,
-            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path_with_bad_runs()},
+            env={**os.environ, **ENVIRONMENT, "PYTHONPATH": path_with_bad_runs()},
         )  # fmt: skip
     try:
         yield process
@@ -51,6 +51,18 @@ def kill(process: subprocess.Popen[bytes]) -> None:
     if process.poll() is None:
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
+
+
+def written_address(file: Path) -> str:
+    """Address of a scheduler from its file, once that is there and whole."""
+    limit = time.monotonic() + 60.0
+    while True:
+        try:
+            return str(json.loads(file.read_text())["address"])
+        except (OSError, ValueError):
+            if time.monotonic() > limit:
+                raise
+            time.sleep(0.05)
 
 
 @contextmanager
@@ -70,31 +82,27 @@ def cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
         "127.0.0.1",
         "--no-dashboard",
     ):
-        limit = time.monotonic() + 60.0
-        while not (file.is_file() and file.stat().st_size) and time.monotonic() < limit:
-            time.sleep(0.05)
-        address = pd.read_json(file, typ="series")["address"]
+        address = written_address(file)
         with started(folder, *worker) as one, started(folder, *worker) as other:
             yield address, [one, other]
 
 
-def test_a_lost_worker_costs_nothing(tmp_path: Path) -> None:
-    local, far = tmp_path / "local", tmp_path / "far"
-    local.mkdir(), far.mkdir()
-    program(local, *SWEEP, **ONE_THREAD)
+def test_a_lost_worker_costs_nothing(tmp_path: Path, calm_sweep: Path) -> None:
+    far = tmp_path / "far"
+    far.mkdir()
     with cluster(tmp_path / "cluster") as (address, workers):
         there = ("hydra/launcher=dask", f"hydra.launcher.scheduler={address}")
-        command = [sys.executable, "-m", "benchbench", *SWEEP, *there]
-        sweep = subprocess.Popen(command, cwd=far, env={**os.environ, **ONE_THREAD}, stdout=subprocess.PIPE)
+        command, environment = [*COMMAND, *SWEEP, *there], {**os.environ, **ENVIRONMENT}
+        sweep = subprocess.Popen(command, cwd=far, env=environment, stdout=subprocess.PIPE)
         limit = time.monotonic() + 120.0
         while not list(far.glob("results/table/*.parquet")) and time.monotonic() < limit:
             time.sleep(0.02)
         kill(workers[0])
         assert len(read(far / "results")) < RUNS  # it was killed in the middle
         sweep.communicate(timeout=200)
-        again = program(far, *SWEEP, *there, **ONE_THREAD)
+        again = told(far, *SWEEP, *there)
     assert f"{RUNS} of {RUNS} runs are in the table" in again.stdout
-    pd.testing.assert_frame_equal(answers(far / "results"), answers(local / "results"))
+    pd.testing.assert_frame_equal(answers(far / "results"), answers(calm_sweep / "results"))
     assert len(list(far.rglob("plan.mcap"))) == RUNS
 
 
@@ -129,18 +137,17 @@ def test_files_come_back_without_a_shared_file_system(
 
 def test_bad_runs_cost_their_row_and_no_worker(tmp_path: Path) -> None:
     with cluster(tmp_path / "cluster") as (address, workers):
-        done = program(
-            tmp_path, "-m", "+scenario=static", *BAD, "+strategy.how=segfault,exit,spin,fine", "hard_limit=15",
-            "hydra/launcher=dask", f"hydra.launcher.scheduler={address}", PYTHONPATH=path_with_bad_runs(), **ONE_THREAD,
-        )  # fmt: skip
+        there = ("hydra/launcher=dask", f"hydra.launcher.scheduler={address}")
+        for how in (("+strategy.how=segfault,exit,fine",), ("+strategy.how=spin", "hard_limit=2")):
+            done = told(tmp_path, "-m", "+scenario=static", *BAD, *how, *there)
+            assert done.returncode == 1, done.stderr
         assert all(worker.poll() is None for worker in workers)
-    assert done.returncode == 1, done.stderr
     assert sorted(r["status"] for r in records(tmp_path)) == ["crash", "crash", "timeout", "uncertified"]
     assert len(read(tmp_path / "results")) == 4
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "said"),
     [
         ((), "none was given"),
         (("hydra.launcher.scheduler=tcp://127.0.0.1:9",), "nothing answers"),
@@ -151,8 +158,11 @@ def test_bad_runs_cost_their_row_and_no_worker(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_bad_input(tmp_path: Path, given: tuple[str, ...], told: str) -> None:
-    done = program(tmp_path, *SWEEP, "hydra/launcher=dask", *given)
+def test_bad_input(
+    tmp_path: Path, given: tuple[str, ...], said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(remote_cluster, "CONNECT_S", 1.0)
+    done = told(tmp_path, *SWEEP, "hydra/launcher=dask", *given)
     assert done.returncode == 2, done.stdout + done.stderr
-    assert told in done.stderr
+    assert said in done.stderr
     assert "Traceback" not in done.stderr

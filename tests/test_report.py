@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import sys
@@ -20,6 +21,7 @@ from selenium.webdriver import ActionChains, Keys
 from selenium.webdriver.common.by import By
 from selenium.webdriver.remote.webdriver import WebDriver
 from selenium.webdriver.support.ui import WebDriverWait
+from sharing import Once
 from test_picture import curved_plan, dense, task, vehicle
 from test_table import row
 
@@ -33,8 +35,8 @@ from benchbench.storage.recording import write_mcap
 
 SWEEP = (
     "+scenario=static,linear",
-    "scenario.intervals=20,100",
-    "dynamics=verlet,midpoint",
+    "scenario.intervals=12,25",
+    "dynamics=collocation,midpoint",
     "strategy=phases",
     "picture=false",
 )
@@ -42,17 +44,22 @@ RUNS = 9
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Done]:
+def made(once: Once) -> tuple[Path, Done]:
     """A real sweep, one run that crashed and a broken record, and the report on them."""
-    folder = tmp_path_factory.mktemp("report")
+    folder = once("report", report_on_a_sweep)
+    return folder, Done((), *json.loads((folder / "told.json").read_text()))
+
+
+def report_on_a_sweep(folder: Path) -> None:
     assert told(folder, "-m", *SWEEP).stdout.splitlines()[-1].endswith("of 8 runs certified")
     write_record(
         folder / "results" / "runs" / "crash",
-        row("crash", status="crash", certified=False, travel_time_s=None),
+        row("crash", status="crash", certified=False, travel_time_s=None, intervals=12),
     )
     (folder / "results" / "broken").mkdir()
     (folder / "results" / "broken" / "record.json").write_text("{")
-    return folder, told(folder, "report", "results", "--plans", "3")
+    done = told(folder, "report", "results", "--plans", "3")
+    (folder / "told.json").write_text(json.dumps([done.returncode, done.stdout, done.stderr]))
 
 
 @pytest.fixture
@@ -111,7 +118,7 @@ def test_settings_versions_and_machine_are_told(made: tuple[Path, Done]) -> None
     record = next(r for r in records(made[0] / "results" / "sweeps"))
     for column in ("casadi_version", "python_version", "platform", "solver_version"):
         assert record[column] in text
-    assert '<th scope="row">scenario.intervals</th><td>20, 100</td>' in text
+    assert '<th scope="row">scenario.intervals</th><td>12, 25</td>' in text
     assert "quadrotor_mass: 1.659" in text
 
 
@@ -174,7 +181,7 @@ def test_one_run(results: Path) -> None:
 
 
 def test_no_certified_run(results: Path) -> None:
-    only(results, 2, certified=False, intervals=20)
+    only(results, 2, certified=False, intervals=12)
     text = render(content([results], None, 5))
     assert text.count("No run has a certified plan, so there is no cost to compare.") == 2
     assert "not certified</span>" in text
@@ -377,7 +384,7 @@ def test_sorting_puts_numbers_in_order_and_empty_cells_last(page: WebDriver) -> 
 @pytest.mark.parametrize(
     ("name", "text", "shown"),
     [
-        ("intervals", "=100", ["100"] * 4), ("intervals", "<50", ["20"] * 5), ("intervals", "50..200", ["100"] * 4),
+        ("intervals", "=25", ["25"] * 4), ("intervals", "<20", ["12"] * 5), ("intervals", "20..200", ["25"] * 4),
         ("dynamics", "MID", ["midpoint"] * 4), ("status", "!certified", ["crash"]), ("scenario", "nothing", []),
     ],
 )  # fmt: skip

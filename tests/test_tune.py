@@ -12,7 +12,7 @@ import optuna
 import pandas as pd
 import pytest
 from program import records, told
-from test_launcher import path_with_bad_runs
+from sweeps import path_with_bad_runs
 
 from benchbench import pipeline
 from benchbench.cli.commands import tune

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from scipy.stats import binomtest
-
 
 @dataclass(frozen=True)
 class Rate:
@@ -27,5 +25,7 @@ def wilson(successes: int, runs: int, confidence: float = 0.95) -> Rate:
         raise ValueError(f"{successes} successes in {runs} runs")
     if runs == 0:
         return Rate(0, 0, None, 0.0, 1.0)
+    from scipy.stats import binomtest  # takes half a second to import, and strategies import this module
+
     interval = binomtest(successes, runs).proportion_ci(confidence, method="wilson")
     return Rate(successes, runs, successes / runs, float(interval.low), float(interval.high))

@@ -29,7 +29,7 @@ from benchbench.planning.case import Case, Guess, ReadyCase, Strategy
 from benchbench.planning.task_hash import task_hash
 from benchbench.run import settings, trust
 from benchbench.run.hydra_errors import EXPECTED, PARTS, explained
-from benchbench.run.overrides import implied
+from benchbench.run.overrides import implied, implying
 from benchbench.run.plugin_choices import SearchPath
 from benchbench.transcription.dynamics import Dynamics
 
@@ -108,6 +108,8 @@ def composed(*overrides: str) -> tuple[DictConfig, dict[str, Any]]:
 
 def meant(overrides: Sequence[str], more: str | None = None) -> list[str]:
     """Return overrides of one run with what they imply; `more` is the user's own folder. Raises what Hydra does."""
+    if not implying(overrides):  # composing takes longer than all else here
+        return [*overrides]
     if not GlobalHydra.instance().is_initialized():
         with hydra.initialize_config_dir(folder(), version_base="1.3"):
             return meant(overrides, more)
