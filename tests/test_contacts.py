@@ -11,7 +11,7 @@ from flights import REST, table_one
 
 from benchbench.arrays import Array
 from benchbench.conformance.checks.initial_value import Transcribed, one_phase, transcribe
-from benchbench.formulation.coupling import Coupling, progress_index
+from benchbench.formulation.coupling import Coupling, progress_index, retargeted
 from benchbench.mpcc.problem import evaluate
 from benchbench.ocp.contact import Condition, Contact, Target
 from benchbench.ocp.model import Model
@@ -241,3 +241,42 @@ def test_target_numbers_are_parameters_so_that_functions_are_shared(model: Model
         _, coupling = coupled(model, Circle(centre, 0.3, 0.7), one_phase(N, 1.0))
         functions.append([pair.block.function.serialize() for pair in coupling.by_progress(2).pairs])
     assert functions[0] == functions[1]
+
+
+def test_another_target_has_other_numbers_at_every_node(model: Model) -> None:
+    """As if the coupling had been made for it from the start."""
+    other = Circle((5.0, 0.0, 0.0), 0.4, 0.9)
+    old, new = (
+        coupled(model, motion, one_phase(N, 1.0))[1].by_progress(2).pairs for motion in (CIRCLE, other)
+    )
+    for before, after in zip(old, new, strict=True):
+        moved = retargeted(before.block, other)
+        np.testing.assert_array_equal(moved.parameters, after.block.parameters)
+        assert not np.array_equal(before.block.parameters, after.block.parameters), (
+            "the old one stays as it is"
+        )
+
+
+@pytest.mark.parametrize(("decided", "first"), [(True, (3.0, 3.0)), (False, (0.0, 3.0))])
+def test_a_contact_that_is_not_decided_starts_anywhere(
+    model: Model, decided: bool, first: tuple[float, float]
+) -> None:
+    (kappa,) = coupled(model, CIRCLE, one_phase(N, 1.0))[1].by_progress(3, decided).variables
+    assert (kappa.lower[0, 0], kappa.upper[0, 0]) == first
+    assert (kappa.lower[-1, 0], kappa.upper[-1, 0]) == (0.0, 0.0)
+    assert np.all(kappa.lower[1:-1] == 0.0) and np.all(kappa.upper[1:-1] == 3.0)
+
+
+def test_progress_of_several_events_is_the_largest() -> None:
+    kappa = np.array([[2.0, 1.0], [1.0, 1.0], [1.0, 0.5], [0.5, 0.0], [0.0, 0.0]])
+    np.testing.assert_array_equal(progress_index(kappa), [1.0, 0.5, 0.5, 0.5, 0.0])
+
+
+def test_nodes_know_their_time_and_the_step_that_follows() -> None:
+    """Two intervals of 0.3 s, three of 0.2 s; the last node has no step of its own, and gets the one before."""
+    grid = Grid((Phase("a", 2, 0.1, 9, 0.6), Phase("b", 3, 0.1, 9, 0.6)))
+    trajectory = transcribe(Verlet(), table_one(), grid).trajectory
+    numbers = trajectory.parameters(range(6)) @ np.kron(np.eye(2), np.array([[0.6], [0.6]]))
+    np.testing.assert_allclose(numbers[:, 0], [0, 0.3, 0.6, 0.8, 1.0, 1.2], atol=1e-15)
+    np.testing.assert_allclose(numbers[:, 1], [0.3, 0.3, 0.2, 0.2, 0.2, 0.2], atol=1e-15)
+    np.testing.assert_array_equal(trajectory.parameters([4, 1]), trajectory.parameters(range(6))[[4, 1]])
