@@ -15,7 +15,8 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.formulation.gate_conditions import conditions
 from benchbench.ocp.gates import manner, passes
-from benchbench.ocp.track import Gate, Opening, read
+from benchbench.ocp.track import Gate, Opening
+from benchbench.ocp.track_file import read
 from benchbench.run import config
 
 FRAME = {"x": -1.1, "y": -1.6, "z": 3.6, "width": 1.2, "height": 0.8, "yaw": 0.0}

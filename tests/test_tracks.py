@@ -9,7 +9,8 @@ import pytest
 
 from benchbench.errors import BadInput
 from benchbench.ocp.race import Race
-from benchbench.ocp.track import Gate, read
+from benchbench.ocp.track import Gate
+from benchbench.ocp.track_file import read
 from benchbench.run import config
 
 LAP = [[0.0, 0.0, 1.0], [5.0, 0.0, 1.0], [5.0, 5.0, 2.0]]

@@ -15,7 +15,8 @@ from benchbench.errors import BadInput
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Ends, Finite, NonNegative, Positive, Scenario, at_rest, point
 from benchbench.ocp.stop import Itinerary, Order
-from benchbench.ocp.track import TRACKS, Gate, Track, is_point, read
+from benchbench.ocp.track import Gate, Track
+from benchbench.ocp.track_file import TRACKS, is_point, read
 
 AXES = ("x", "y", "z")
 HANDOVERS_OWN = (
@@ -42,7 +43,7 @@ class Race(Scenario):
     order           fixed: in the order of the track; free: in any order, which is part of what is to be found
     sequence        numbers of the gates, from 1 as the track lists them, in the order they are passed (where that is
                     free: in which a guess passes them); none: as listed
-    track           gates of one lap: a list, or the path of a YAML or CSV file (see `benchbench.ocp.track.read`); what
+    track           gates of one lap: a list, or the path of a YAML or CSV file (see `benchbench.ocp.track_file.read`); what
                     a file says of start, end, radius and gates counts where the scenario leaves it out
     gates           number of gates before the end, the lap repeated as often as needed; null: one lap
     radius          of a gate that names none, m

@@ -9,7 +9,7 @@ from hydra.core.override_parser.types import Override
 from omegaconf import DictConfig, OmegaConf
 
 from benchbench.errors import BadInput
-from benchbench.ocp.track import beside_the_lap
+from benchbench.ocp.track_file import beside_the_lap
 
 SMOOTH, RELAXING = "phases", "relax"
 """The default strategy, which has no complementarity to relax, and the one for those who ask for a relaxation."""
