@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from pydantic import ValidationError
 
 
+LIMITS = ("greater_than", "greater_than_equal", "less_than", "less_than_equal")
+"""What pydantic calls numbers beyond a limit."""
+
+
 class BenchBenchError(Exception):
     """Root of all errors that BenchBench raises on purpose."""
 
@@ -85,6 +89,6 @@ def invalid(field: str, error: ValidationError, names: Iterable[str] = ()) -> Ba
             return BadInput(
                 place,
                 f"{given!r} was given",
-                ("a number " if wanted[:5] in ("great", "less ") else "") + wanted,
+                ("a number " if first["type"] in LIMITS else "") + wanted,
             )
     return BadInput(place, f"{text}, but {given!r} was given")

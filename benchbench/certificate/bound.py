@@ -57,18 +57,18 @@ def sequence_bound(scenario: Scenario, made: Sequence[Stop], model: Model, plant
         return direct
     time = np.arange(0.0, scenario.travel_time[1], STEP)
     arm, late = arm_reach(model, plant), speed * (time[:, None] + STEP)
-    low, high, near = start - late, start + late, 0.0
-    ready = np.ones(len(time), bool)
+    low, high = start - late, start + late
+    at, place, near = np.ones(len(time), bool), np.tile(start, (len(time), 1)), 0.0  # of the stop before
     for motion, reach in touched:
         target, moving = sample(motion, time)
         close = arm + reach + STEP * np.max(np.abs(moving), axis=0)
-        at = ready & np.all((target >= low - close - near) & (target <= high + close + near), axis=1)
-        ready = np.logical_or.accumulate(at)
+        met = np.all((target >= low - close - near) & (target <= high + close + near), axis=1)
+        at = np.logical_or.accumulate(at) & met
         away = speed * time[:, None]
         low = np.minimum.accumulate(np.where(at[:, None], target + away, np.inf)) - late
         high = np.maximum.accumulate(np.where(at[:, None], target - away, -np.inf)) + late
-        near = close
-    rest = np.max(np.maximum(np.abs(target - end) - close, 0.0) / speed, axis=1)
+        place, near = target, close
+    rest = np.max(np.maximum(np.abs(place - end) - near, 0.0) / speed, axis=1)
     return max(direct, float(np.min(np.where(at, time + rest, np.inf))))
 
 

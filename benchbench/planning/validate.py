@@ -70,7 +70,7 @@ def numbers(case: Case) -> None:
     asked = sum(stop.kappa_init for stop in stops)
     if asked > most:
         problem = f"{asked} nodes in contact do not fit into {scenario.grid_intervals} intervals"
-        raise BadInput("scenario.kappa_init", problem, f"1 to {most}{' in all' * (len(stops) > 1)}")
+        raise BadInput("scenario.kappa_init", problem, f"1 to {most}" + (" in all" if len(stops) > 1 else ""))
     first, last = scenario.travel_time
     if not 0 <= first <= last < np.inf or last == 0:
         raise BadInput(

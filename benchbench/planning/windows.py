@@ -105,8 +105,8 @@ class Windows:
 
     def exhaust(self) -> Windows:
         """Solve every window that may be better than the best, from the best outwards."""
-        by_distance = sorted(range(len(self.bounds)), key=lambda k, c=self.centre: abs(k - c))  # type: ignore[misc]
-        for k in by_distance:
+        centre = self.centre
+        for k in sorted(range(len(self.bounds)), key=lambda k: abs(k - centre)):
             if self.ledger.over:
                 break
             if self._open(k):
@@ -128,7 +128,8 @@ class Windows:
     def _solve(self, k: int) -> None:
         """From the nearest solved window with its multipliers; if that fails, from the start without."""
         near = self._near(k)
-        for start, known in ((near.plan, near), (self.start, None)) if near else ((self.start, None),):
+        for known in [near, None] if near else [None]:
+            start = known.plan if known else self.start
             with self.ledger.building():
                 problem = fixed_window(self.case, start, range(k, k + self.count))
             self.found[k] = pose(problem, self.case, self.ledger, f"window {k}", known)
