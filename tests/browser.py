@@ -25,7 +25,9 @@ def browser(width: int, height: int = 1000) -> Iterator[WebDriver]:
     """Start the Chromium of this machine; skips the test where there is none."""
     program, driver = next(filter(None, map(shutil.which, NAMES)), None), shutil.which("chromedriver")
     if program is None or driver is None:
-        pytest.skip("no Chromium with its chromedriver on this machine")
+        pytest.skip(
+            "no Chromium with its chromedriver here (Debian, Ubuntu: apt-get install chromium chromium-driver)"
+        )
     options = Options()
     options.binary_location = program
     for argument in ARGUMENTS:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shlex
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -175,6 +176,11 @@ def test_folders_without_a_run_are_refused(tmp_path: Path) -> None:
         best.run([])
 
 
+@cache
+def limits(scenario: str) -> object:
+    return config.compose(f"+scenario={scenario}").limits
+
+
 def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
     """One for each scenario with each dynamics, for each grid and for each kappa_init.
 
@@ -190,7 +196,7 @@ def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
         case = config.compose(*shlex.split(entry["command"]))
         assert case.task_hash == entry["task_hash"]
         assert (case.scenario.name, case.scenario.grid_intervals) == (entry["scenario"], entry["intervals"])
-        assert case.limits == config.compose(f"+scenario={entry['scenario']}").limits
+        assert case.limits == limits(entry["scenario"])
 
 
 REACHED = {

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from benchbench.conformance.candidates import Tested, candidates
-from benchbench.conformance.checks.guesses import CHECKS
-from benchbench.planning.case import Case, Guess
+from benchbench.conformance.checks.guesses import CHECKS, Guessed
+from benchbench.planning.case import Case
 from benchbench.planning.guess import straight_line
 from benchbench.run import config
 from benchbench.storage.recording import write_mcap
@@ -31,9 +31,24 @@ def recording(case: Case, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.fixture(scope="module")
+def known() -> dict[str, Guessed]:
+    """What has been guessed so far, by the name of the guess and the recording of its case."""
+    return {}
+
+
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 @GUESSES
-def test_guess(candidate: Tested, check: Callable[[Guess, Case], None], case: Case, recording: Path) -> None:
+def test_guess(
+    candidate: Tested,
+    check: Callable[[Guessed], None],
+    case: Case,
+    recording: Path,
+    known: dict[str, Guessed],
+) -> None:
     """One check of one guess; a mandatory setting (???) is the path of a recording."""
     asked = {name: str(recording) for name, value in candidate.settings.items() if value == "???"}
-    check(candidate.build(**asked), case)
+    key = f"{candidate.name} {recording}"
+    if key not in known:
+        known[key] = Guessed(candidate.build(**asked), case)
+    check(known[key])

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -17,9 +18,27 @@ ROUNDING = 1e-6
 """Limits may be exceeded by what solvers leave, in any unit."""
 
 
-def check_plan(guess: Guess, case: Case) -> None:
+@dataclass(frozen=True)
+class Guessed:
+    """The plans of a guess for a case, made once for all checks."""
+
+    guess: Guess
+    case: Case
+
+    @cached_property
+    def plans(self) -> list[Plan]:
+        """The undisturbed one, and those of the seeds 1, 2 and 3."""
+        return [self.guess.plan(self.case, Ledger(60.0)), *map(self.seeded, (1, 2, 3))]
+
+    def seeded(self, seed: int) -> Plan:
+        """Make the plan of a seed."""
+        return first_plan(replace(self.case, guess=self.guess, seed=seed), Ledger(60.0))
+
+
+def check_plan(guessed: Guessed) -> None:
     """Finite, time from 0 on, for this vehicle, with progress made inside the flight."""
-    for plan in (guess.plan(case, Ledger(60.0)), *_seeded(guess, case, (1, 2, 3))):
+    case = guessed.case
+    for plan in guessed.plans:
         require(plan.coordinate_names == case.model.configuration.names, "plans for another vehicle")
         for name in ("time", "configuration", "velocity", "inputs", "progress"):
             require(bool(np.all(np.isfinite(getattr(plan, name)))), f"{name} is not finite")
@@ -31,10 +50,11 @@ def check_plan(guess: Guess, case: Case) -> None:
             require(first > 0 and last < plan.intervals, "contact at an end")
 
 
-def check_limits(guess: Guess, case: Case) -> None:
+def check_limits(guessed: Guessed) -> None:
     """Starts and ends where the scenario says, configurations and inputs within their limits; disturbed ones too."""
+    case = guessed.case
     box, inputs = case.scenario.limits(case.model), case.model.inputs
-    for plan in (guess.plan(case, Ledger(60.0)), *_seeded(guess, case, (1, 2, 3))):
+    for plan in guessed.plans:
         for where, k, point in (
             ("start", 0, case.scenario.start_point(case.model)),
             ("end", -1, case.scenario.end_point(case.model)),
@@ -49,12 +69,13 @@ def check_limits(guess: Guess, case: Case) -> None:
             require(beyond <= ROUNDING, f"{what} exceeds its limits by {beyond:.3g}")
 
 
-def check_seeds(guess: Guess, case: Case) -> None:
+def check_seeds(guessed: Guessed) -> None:
     """The same seed gives the same start, another one another contact time, travel time, path and inputs.
 
     And other velocities, unless it has none: lines leave those of quaternion vehicles at zero.
     """
-    one, again, other = _seeded(guess, case, (1, 1, 2))
+    _, one, other, _ = guessed.plans
+    again = guessed.seeded(1)
     for name in ("time", "configuration", "velocity", "inputs"):
         require(np.array_equal(getattr(one, name), getattr(again, name)), f"{name} differs for equal seeds")
         moved = not np.allclose(getattr(one, name), getattr(other, name))
@@ -63,10 +84,6 @@ def check_seeds(guess: Guess, case: Case) -> None:
 
 
 CHECKS = (check_plan, check_limits, check_seeds)
-
-
-def _seeded(guess: Guess, case: Case, seeds: tuple[int, ...]) -> list[Plan]:
-    return [first_plan(replace(case, guess=guess, seed=seed), Ledger(60.0)) for seed in seeds]
 
 
 def _contact(plan: Plan) -> float:
