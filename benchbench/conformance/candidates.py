@@ -23,7 +23,7 @@ GROUPS = {"models": "vehicle"} | {
 
 
 @dataclass(frozen=True)
-class Tested:
+class Configured:
     """One plugin as configured; `error` says why it cannot even be built."""
 
     name: str
@@ -45,7 +45,7 @@ class Tested:
 
 
 @cache
-def candidates(family: str) -> tuple[Tested, ...]:
+def candidates(family: str) -> tuple[Configured, ...]:
     """Return every choice of a family, and every installed plugin that is none."""
     plugins = installed(family)
     names = {plugin.kind: plugin.name for plugin in plugins if plugin.kind}
@@ -53,20 +53,22 @@ def candidates(family: str) -> tuple[Tested, ...]:
     seen = {candidate.kind for candidate in configured} - {None}
     failed = {candidate.name for candidate in configured if candidate.kind is None}
     bare = [
-        Tested(p.name, p.kind, {}, p.error) for p in plugins if p.kind not in seen and p.name not in failed
+        Configured(p.name, p.kind, {}, p.error)
+        for p in plugins
+        if p.kind not in seen and p.name not in failed
     ]
     return (*configured, *bare)
 
 
-def _candidate(label: str, settings: dict[str, Any], names: dict[type, str]) -> Tested:
+def _candidate(label: str, settings: dict[str, Any], names: dict[type, str]) -> Configured:
     """Find the class; `label` is the YAML's name, put behind the plugin's where they differ."""
     try:
         kind = hydra.utils.get_class(settings["_target_"])
     except Exception as error:  # noqa: BLE001  # importing somebody's module can raise anything
-        return Tested(label, None, {}, f"{settings.get('error') or error}")
+        return Configured(label, None, {}, f"{settings.get('error') or error}")
     name = names.get(kind, label)
     rest = {key: value for key, value in settings.items() if key != "_target_"}
-    return Tested(name if name == label else f"{name}-{label}", kind, rest)
+    return Configured(name if name == label else f"{name}-{label}", kind, rest)
 
 
 def _settings(group: str) -> Iterator[tuple[str, dict[str, Any]]]:

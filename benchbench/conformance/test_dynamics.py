@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from benchbench.conformance.candidates import Tested, candidates
+from benchbench.conformance.candidates import Configured, candidates
 from benchbench.conformance.checks.dynamics import CHECKS
 from benchbench.conformance.checks.orders import check_consistency, check_order, check_phases, energy_errors
 from benchbench.ocp.model import Model
@@ -21,14 +21,14 @@ MODELS = pytest.mark.parametrize("model", candidates("models"), ids=lambda c: c.
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 @MODELS
 @DYNAMICS
-def test_dynamics(candidate: Tested, model: Tested, check: Callable[[Dynamics, Model], None]) -> None:
+def test_dynamics(candidate: Configured, model: Configured, check: Callable[[Dynamics, Model], None]) -> None:
     """One check of one dynamics on one model."""
     check(*_both(candidate, model))
 
 
 @MODELS
 @DYNAMICS
-def test_order(candidate: Tested, model: Tested, record_property: Record) -> None:
+def test_order(candidate: Configured, model: Configured, record_property: Record) -> None:
     """Measured order of convergence."""
     record_property("measured", f"{candidate.name} on {model.name}: {check_order(*_both(candidate, model))}")
 
@@ -36,14 +36,14 @@ def test_order(candidate: Tested, model: Tested, record_property: Record) -> Non
 @pytest.mark.parametrize("check", [check_phases, check_consistency], ids=lambda check: check.__name__)
 @DYNAMICS
 def test_order_on_the_pendulum(
-    candidate: Tested, check: Callable[[Dynamics, Model], str], record_property: Record
+    candidate: Configured, check: Callable[[Dynamics, Model], str], record_property: Record
 ) -> None:
     """Order over unequal phases, and of one step; forced and damped."""
     record_property("measured", f"{candidate.name} on pendulum: {check(candidate.build(), pendulum())}")
 
 
 @DYNAMICS
-def test_energy(candidate: Tested, record_property: Record) -> None:
+def test_energy(candidate: Configured, record_property: Record) -> None:
     """Energy error of a free swing of the pendulum, in its first and second half: reported, must be finite."""
     first, second = energy_errors(candidate.build(), pendulum(damping=0.0))
     behaviour = "bounded" if second < 1.2 * first else "drifts"
@@ -53,7 +53,7 @@ def test_energy(candidate: Tested, record_property: Record) -> None:
     assert np.isfinite(first) and np.isfinite(second)
 
 
-def _both(candidate: Tested, model: Tested) -> tuple[Dynamics, Model]:
+def _both(candidate: Configured, model: Configured) -> tuple[Dynamics, Model]:
     """Dynamics and model, unless they cannot meet."""
     dynamics, vehicle = candidate.build(), model.build()
     if not dynamics.accepts(vehicle):

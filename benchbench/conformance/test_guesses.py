@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from benchbench.conformance.candidates import Tested, candidates
+from benchbench.conformance.candidates import Configured, candidates
 from benchbench.conformance.checks.guesses import CHECKS, Guessed
 from benchbench.planning.case import Case
 from benchbench.planning.guess import straight_line
@@ -40,7 +40,7 @@ def known() -> dict[str, Guessed]:
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 @GUESSES
 def test_guess(
-    candidate: Tested,
+    candidate: Configured,
     check: Callable[[Guessed], None],
     case: Case,
     recording: Path,

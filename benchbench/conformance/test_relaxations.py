@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from benchbench.conformance.candidates import Tested, candidates
+from benchbench.conformance.candidates import Configured, candidates
 from benchbench.conformance.checks.programs import Known, known
 from benchbench.conformance.checks.relaxations import CHECKS, check_solution
 from benchbench.errors import Unavailable
@@ -27,7 +27,7 @@ def case() -> Case:
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 @RELAXATIONS
-def test_relaxation(candidate: Tested, check: Callable[[Relaxation], None]) -> None:
+def test_relaxation(candidate: Configured, check: Callable[[Relaxation], None]) -> None:
     """One check of one relaxation."""
     check(candidate.build())
 
@@ -35,7 +35,7 @@ def test_relaxation(candidate: Tested, check: Callable[[Relaxation], None]) -> N
 @pytest.mark.parametrize("problem", known(), ids=lambda p: p.name)
 @RELAXATIONS
 def test_solution(
-    candidate: Tested, problem: Known, case: Case, record_property: Callable[[str, object], None]
+    candidate: Configured, problem: Known, case: Case, record_property: Callable[[str, object], None]
 ) -> None:
     """Known solutions; a relaxation that leaves pairs needs a solver that takes them."""
     relaxation: Relaxation = candidate.build()

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from benchbench.conformance.candidates import Tested, candidates
+from benchbench.conformance.candidates import Configured, candidates
 from benchbench.conformance.checks.programs import Known, known
 from benchbench.conformance.checks.smooth_programs import SmoothProgram, convex, hard
 from benchbench.conformance.checks.solvers import CHECKS, check_claim, check_pairs, check_solves, solved
@@ -18,7 +18,7 @@ from benchbench.run import config
 SOLVERS = pytest.mark.parametrize("candidate", candidates("solvers"), ids=lambda c: c.name)
 
 
-def available(candidate: Tested) -> Solver:
+def available(candidate: Configured) -> Solver:
     """Build the solver; skip the test when `prepare` says that it is unavailable."""
     solver: Solver = candidate.build()
     try:
@@ -30,7 +30,7 @@ def available(candidate: Tested) -> Solver:
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 @SOLVERS
-def test_solver(candidate: Tested, check: Callable[[Solver], None]) -> None:
+def test_solver(candidate: Configured, check: Callable[[Solver], None]) -> None:
     """One check of one solver."""
     check(available(candidate))
 
@@ -41,7 +41,7 @@ def test_solver(candidate: Tested, check: Callable[[Solver], None]) -> None:
     [c for c in candidates("solvers") if getattr(c.kind, "native_pairs", False)],
     ids=lambda c: c.name,
 )
-def test_pairs(candidate: Tested, problem: Known, record_property: Callable[[str, object], None]) -> None:
+def test_pairs(candidate: Configured, problem: Known, record_property: Callable[[str, object], None]) -> None:
     """MPCCs for solvers that take pairs."""
     case = config.compose("+scenario=static", "compile=never", "iteration_limit=300")
     record_property("measured", f"{candidate.name}, {check_pairs(available(candidate), problem, case)}")
@@ -49,14 +49,14 @@ def test_pairs(candidate: Tested, problem: Known, record_property: Callable[[str
 
 @pytest.mark.parametrize("problem", [rest_to_rest(), lands_at(0.7), tracking()], ids=lambda p: p.name)
 @SOLVERS
-def test_solves(candidate: Tested, problem: SmoothProgram) -> None:
+def test_solves(candidate: Configured, problem: SmoothProgram) -> None:
     """Known solutions, programs over a time axis."""
     check_solves(available(candidate), problem)
 
 
 @pytest.mark.parametrize("problem", convex(), ids=lambda p: p.name)
 @SOLVERS
-def test_solves_without_structure(candidate: Tested, problem: SmoothProgram) -> None:
+def test_solves_without_structure(candidate: Configured, problem: SmoothProgram) -> None:
     """Known solutions, convex programs of any form; a solver that needs stages may refuse them."""
     solver = available(candidate)
     try:
@@ -67,7 +67,7 @@ def test_solves_without_structure(candidate: Tested, problem: SmoothProgram) -> 
 
 @pytest.mark.parametrize("problem", hard(), ids=lambda p: p.name)
 @SOLVERS
-def test_hard(candidate: Tested, problem: SmoothProgram) -> None:
+def test_hard(candidate: Configured, problem: SmoothProgram) -> None:
     """Solved, or an honest claim."""
     solver = available(candidate)
     try:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from benchbench.conformance.candidates import Tested, candidates
+from benchbench.conformance.candidates import Configured, candidates
 from benchbench.conformance.checks.strategies import CHECKS
 from benchbench.errors import BadInput, Unavailable
 from benchbench.planning.case import Case, Strategy
@@ -26,7 +26,7 @@ def case() -> Case:
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 @STRATEGIES
-def test_strategy(candidate: Tested, check: Callable[[Strategy, Case], None], case: Case) -> None:
+def test_strategy(candidate: Configured, check: Callable[[Strategy, Case], None], case: Case) -> None:
     """One check of one strategy; one that refuses this case (made for races, reads a file) is skipped."""
     try:
         check(candidate.build(), case)
