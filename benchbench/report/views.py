@@ -34,11 +34,23 @@ LABEL_M = 0.17
 
 
 @dataclass(frozen=True)
+class Marks:
+    """What stands in the room all the time: outlines (n, 3) m, by what is written there, and their name in a legend.
+
+    coloured: what matters is how fast the vehicle is where, so its path has the colours of its speed.
+    """
+
+    name: str = ""
+    outlines: Mapping[str, Array] = field(default_factory=dict)
+    coloured: bool = False
+
+
+@dataclass(frozen=True)
 class Scene:
     """A plan with what the views need.
 
     End effector and the target of each stop at the nodes, each (N + 1, 3) m, and the end effector on the replay
-    (m, 3) m; outlines (n, 3) m of what stands in the room, of a race its gates, by what is written there.
+    (m, 3) m.
     """
 
     plan: Plan
@@ -46,7 +58,7 @@ class Scene:
     tool: Array
     targets: Mapping[str, Array]
     flown: Array | None
-    gates: Mapping[str, Array] = field(default_factory=dict)
+    marks: Marks = field(default_factory=Marks)
 
     @property
     def speed(self) -> Array:
@@ -90,21 +102,21 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
 
 
 @singledispatch
-def marks(scenario: Scenario, plan: Plan) -> Mapping[str, Array]:
-    """Lines (n, 3) m of what stands in the room, by what is written there; by kind of scenario, most have nothing."""
-    return {}
+def marks(scenario: Scenario, plan: Plan) -> Marks:
+    """Return what stands in the room, by kind of scenario; nothing, if it does not say."""
+    return Marks()
 
 
 @marks.register
-def _(scenario: Race, plan: Plan) -> Mapping[str, Array]:
-    return outlines(as_passed(plan, scenario, 0.0).goals)
+def _(scenario: Race, plan: Plan) -> Marks:
+    return Marks("gates", outlines(as_passed(plan, scenario, 0.0).goals), coloured=True)
 
 
 def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> None:
     """Draw one projection; `plane` are the two world axes, 0 for x, 1 for y, 2 for z."""
     h, v = plane
     axes.set_title(title, y=1.0)
-    for target in (*scene.targets.values(), *scene.gates.values()):
+    for target in (*scene.targets.values(), *scene.marks.outlines.values()):
         axes.plot(target[:, h], target[:, v], color=TARGET, linewidth=1.4, zorder=2)
     axes.plot(scene.tool[:, h], scene.tool[:, v], color=TOOL, linewidth=1.8, zorder=2)
     if scene.flown is not None:

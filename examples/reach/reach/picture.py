@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from benchbench import Array, Model, Plan
+from benchbench import Model, Plan
 from benchbench.certificate.replay import Replay
 from benchbench.report.panel import Curve, Panel
 from benchbench.report.panels import conditions
-from benchbench.report.views import marks
+from benchbench.report.views import Marks, marks
 from reach.scenario import AXES, Reach, off
 
 
 @marks.register
-def _(scenario: Reach, plan: Plan) -> Mapping[str, Array]:
-    """Return three great circles of the ball, parted by NaN, (n, 3) m."""
+def _(scenario: Reach, plan: Plan) -> Marks:
+    """Return three great circles of the ball, parted by NaN."""
     turn = np.linspace(0.0, 2 * np.pi, 49)
     circle = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=-1)
     circles = [np.vstack([np.roll(circle, k, axis=1), np.full(3, np.nan)]) for k in range(3)]
     middle = np.array([scenario.end.get(axis, 0.0) for axis in AXES])
-    return {"reach": middle + scenario.reach * np.concatenate(circles)}
+    return Marks("ball", {f"{scenario.reach:g} m": middle + scenario.reach * np.concatenate(circles)})
 
 
 @conditions.register

@@ -53,32 +53,34 @@ def _name(scene: Scene, node: int) -> str:
 
 
 def _paths(scene: Scene) -> list[go.Scatter3d]:
-    if scene.gates:
-        return [*_gates(scene), _coloured_path(scene)]
+    if scene.marks.coloured:
+        return [*_marks(scene), _coloured_path(scene)]
     lines = [(f"path of {name}", target, TARGET, 3) for name, target in scene.targets.items()]
     lines.append(("end effector, planned", scene.tool, TOOL, 4))
     if scene.flown is not None:
         lines.append(("end effector, replayed", _inside(scene, scene.flown), INK, 2))
-    return [
+    paths = [
         _line(points, color, width, name=name, hoverinfo="skip", showlegend=i >= len(scene.targets))
         for i, (name, points, color, width) in enumerate(lines)
     ]
+    return [*paths, *(_marks(scene) if scene.marks.outlines else [])]
 
 
-def _gates(scene: Scene) -> list[go.Scatter3d]:
-    """Outlines of the gates of a race, and their numbers."""
+def _marks(scene: Scene) -> list[go.Scatter3d]:
+    """Outlines of what stands in the room, and what is written there: of a race the gates and their numbers."""
+    outlines = scene.marks.outlines
     lines = [
-        _line(outline, TARGET, 3, name="gates", hoverinfo="skip", showlegend=i == 0)
-        for i, outline in enumerate(scene.gates.values())
+        _line(outline, TARGET, 3, name=scene.marks.name, hoverinfo="skip", showlegend=i == 0)
+        for i, outline in enumerate(outlines.values())
     ]
     x, y, z = _above(scene).astype(np.float32).T
-    text = {"x": x, "y": y, "z": z, "mode": "text", "text": list(scene.gates), "textfont": {"color": INK}}
+    text = {"x": x, "y": y, "z": z, "mode": "text", "text": list(outlines), "textfont": {"color": INK}}
     return [*lines, go.Scatter3d(**text, hoverinfo="skip", showlegend=False)]
 
 
 def _above(scene: Scene) -> Array:
-    """Where the numbers of the gates stand, (n, 3) m; none without gates."""
-    middles = [np.nanmean(outline[:-1], axis=0) for outline in scene.gates.values()]
+    """Where it is written what stands in the room, (n, 3) m; none where nothing does."""
+    middles = [np.nanmean(outline[:-1], axis=0) for outline in scene.marks.outlines.values()]
     return np.reshape(middles, (-1, 3)) + np.array(ABOVE)
 
 
@@ -105,7 +107,7 @@ def _moving(scene: Scene, node: int) -> list[go.Scatter3d]:
     frame = [points for name, points in lines.items() if "arm" not in name]
     arm = [points for name, points in lines.items() if "arm" in name]
     vehicle = _line(_joined(frame), FRAME, 7, name="vehicle", hoverinfo="skip")
-    if scene.gates:
+    if scene.marks.coloured:
         return [vehicle]
     return [
         vehicle,
@@ -141,7 +143,7 @@ def _inside(scene: Scene, path: Array) -> Array:
 
 
 def _box(scene: Scene) -> tuple[Array, Array]:
-    drawn = [scene.tool, *scene.targets.values(), *scene.gates.values(), _above(scene)]
+    drawn = [scene.tool, *scene.targets.values(), *scene.marks.outlines.values(), _above(scene)]
     drawn += [*(p for k in frame_nodes(scene) for p in skeleton(scene, k).values())]
     points = np.concatenate(drawn)
     return np.nanmin(points, axis=0) - MARGIN_M, np.nanmax(points, axis=0) + MARGIN_M
