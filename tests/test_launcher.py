@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from program import COMMAND, ENVIRONMENT, listen, on_terminal, records, told
+from program import COMMAND, ENVIRONMENT, listen, on_terminal, program, records, told
 from sweeps import BAD, QUICK, RUNS, SWEEP, answers, path_with_bad_runs
 
 from benchbench.run.execution import Ended
@@ -241,7 +241,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
 
 
 def test_a_disk_that_fills_up_is_named_and_costs_no_earlier_row(small_disk: Path) -> None:
-    done = told(small_disk, *SWEEP, "workers=1")
+    done = program(small_disk, *SWEEP, "workers=1")  # by itself: the disk is taken away afterwards
     assert done.returncode == 2, done.stderr
     said = [line for line in done.stderr.splitlines() if not line.startswith("benchbench: bad input")]
     assert said and all(line.startswith("  output: cannot write") for line in said), done.stderr
