@@ -30,7 +30,7 @@ class Plain:
 class Theirs(Relaxation):
     schedule: tuple[float, ...] = (0.1, 0.01)
     table: dict = field(default_factory=lambda: {"a": [1, 2]})
-    def relax(self, g, h, sigma, kind, name, limit):
+    def relax(self, g, h, sigma, kind, gap):
         return Relaxed(g * h - sigma, (-np.inf,), (0.0,))
 
 class Ground(Contact):

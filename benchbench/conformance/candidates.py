@@ -17,9 +17,9 @@ from benchbench.registry import installed
 from benchbench.run import config, plugin_choices
 
 GROUPS = {"models": "vehicle"} | {
-    family: group for family, group in plugin_choices.GROUPS.items() if family != "peers"
+    family: group for family, group in plugin_choices.GROUPS.items() if family not in ("peers", "motions")
 }
-"""Where the choices of a family are; peers are programs that few have."""
+"""Where the choices of a family with a suite are."""
 
 
 @dataclass(frozen=True)

@@ -23,9 +23,11 @@ from benchbench.errors import BadInput
 
 GROUPS = {
     "dynamics": "dynamics", "relaxations": "relaxation", "solvers": "solver", "strategies": "strategy",
-    "guesses": "guess", "peers": "peer", "contacts": "scenario/contact",
+    "guesses": "guess", "peers": "peer", "contacts": "scenario/contact", "motions": "scenario/motion",
 }  # fmt: skip
 """Where the choices of a family are. Vehicles and scenarios are numbers, so that theirs are always YAML."""
+PLACES = {"scenario/contact": "_global_.scenario.contacts.{}", "scenario/motion": "_global_.scenario.target"}
+"""Where in the configuration the choices of a group stand, with their name; others stand where their group does."""
 SCHEME = "plugins"
 Names = list[str]
 
@@ -70,8 +72,8 @@ class PluginSource(ConfigSource):
         if len(found) > 1:
             both = " and ".join(sorted(entry.value for entry in found))
             raise BadInput(group, f"'{name}' is registered for {both}", "one of them installed")
-        package = f"_global_.scenario.contacts.{name}" if group == GROUPS["contacts"] else None
-        return ConfigResult(self.provider, self.full_path(), _node(found[0]), {"package": package})
+        place = PLACES[group].format(name) if group in PLACES else None
+        return ConfigResult(self.provider, self.full_path(), _node(found[0]), {"package": place})
 
 
 class SearchPath(SearchPathPlugin):

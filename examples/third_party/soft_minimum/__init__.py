@@ -1,1 +1,0 @@
-"""A relaxation for BenchBench from another package."""

@@ -1,1 +1,0 @@
-"""Configuration that BenchBench finds through the entry point group `benchbench.conf`."""
