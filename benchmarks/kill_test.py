@@ -14,8 +14,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 
+from program import program
 from test_launcher import RUNS, SWEEP, answers, kill_and_resume
-from test_program import program
 
 
 def main() -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import errno
 import hashlib
+import json
 import re
 import tempfile
 import time
@@ -72,7 +73,13 @@ class Place:
     def stored(self) -> bool:
         """The record of this run, and not of an earlier one in the same folder, is there."""
         record = self.folder / RECORD
-        return record.is_file() and record.stat().st_mtime >= self.began
+        try:
+            if record.stat().st_mtime < self.began:
+                return False
+            told = json.loads(record.read_text())
+        except (OSError, ValueError, RecursionError):
+            return False
+        return isinstance(told, dict) and told.get("run_id") == self.labels["run_id"]
 
     @property
     def sweep(self) -> bool:
@@ -128,7 +135,10 @@ def failure(error: BaseException, cfg: DictConfig, place: Place | None, **column
     told = explained(error) if expected else error
     said = () if isinstance(error, Pruned) else (_complaint(error, told),)
     code = BAD_INPUT if expected and not isinstance(error, (*NO_INPUT, Pruned)) else NOT_CERTIFIED
-    if place is None or place.stored:  # stored: only the recording or the picture is missing
+    if place is None:
+        return Ended(code, None, {}, said)
+    if place.stored:  # only the recording or the picture is missing, or the row
+        _give_row(place)
         return Ended(code, None, {}, said)
     if place.sweep or not expected or isinstance(error, NO_INPUT):
         record = failed(told, place.chosen, place.labels | _sizes(cfg) | columns)
@@ -150,6 +160,14 @@ def store(record: Record, place: Place) -> None:
     vacate(place.folder)
     write_record(place.folder, record)
     append(record, place.root)
+
+
+def _give_row(place: Place) -> None:
+    """Give the stored record of a run its row, in case the run died between the two."""
+    from benchbench.storage.table import append, load_record
+
+    with contextlib.suppress(BenchBenchError, OSError, ValueError, TypeError):
+        append(load_record(place.folder / RECORD), place.root)
 
 
 def config_hash(cfg: DictConfig) -> str:

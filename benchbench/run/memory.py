@@ -6,32 +6,25 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from benchbench.errors import OutOfMemory
 from benchbench.run.failure import said
 
 WORDS = ("bad_alloc", "MemoryError", "out of memory", "Cannot allocate memory", "Unable to allocate")
 """What programs and libraries say when an allocation failed."""
 NEAR = 0.9
 """Share of the limit from which on an error of any type is put down to it: libraries say it in many ways."""
-LEAST_MB = 10.0
-"""Memory that a run must have beside what the program takes by itself."""
+HEADROOM_MB = 300.0
+"""Beyond the limit allocations fail. Up to here they do not, since some libraries then try for ever (OpenBLAS, for the 128 MB
+of its buffer): whoever watches the run kills it as soon as it is seen above its limit."""
 
 
 def limit(megabytes: float | None) -> None:
-    """Limit private writable memory; not the address space, of which CasADi maps much more than it uses.
-
-    Raises OutOfMemory where not even the program fits into it.
-    """
+    """Limit private writable memory; not the address space, of which CasADi maps much more than it uses."""
     if megabytes is None or sys.platform == "win32":
         return
     import resource
 
-    used = _megabytes("VmData") or 0.0
-    if used + LEAST_MB > megabytes:
-        takes = f"the program takes {used:.0f} MB before the run begins"
-        raise OutOfMemory(f"{takes}, and memory_limit_mb is {megabytes:g}")
     _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-    resource.setrlimit(resource.RLIMIT_DATA, (int(megabytes * 1e6), hard))
+    resource.setrlimit(resource.RLIMIT_DATA, (int((megabytes + HEADROOM_MB) * 1e6), hard))
 
 
 def lift() -> None:
@@ -58,8 +51,8 @@ def _near() -> bool:
     import resource
 
     soft, _ = resource.getrlimit(resource.RLIMIT_DATA)
-    used = _megabytes("VmData")
-    return soft != resource.RLIM_INFINITY and used is not None and used * 1e6 > NEAR * soft
+    used = held("self")
+    return soft != resource.RLIM_INFINITY and used is not None and used > NEAR * (soft * 1e-6 - HEADROOM_MB)
 
 
 def _chain(error: BaseException | None) -> Iterator[BaseException]:
@@ -70,11 +63,11 @@ def _chain(error: BaseException | None) -> Iterator[BaseException]:
         error = error.__cause__ or error.__context__
 
 
-def _megabytes(name: str) -> float | None:
-    """A number of /proc/self/status; None where there is none."""
+def held(process: int | str) -> float | None:
+    """Private writable memory of a process in MB (10^6 bytes), also what it has not written to; None where unknown."""
     try:
-        lines = Path("/proc/self/status").read_text().splitlines()
+        lines = Path(f"/proc/{process}/status").read_text().splitlines()
     except OSError:
         return None
-    (kibibytes,) = [line.split()[1] for line in lines if line.startswith(f"{name}:")]
-    return float(kibibytes) * 1024e-6
+    kibibytes = [float(line.split()[1]) for line in lines if line.startswith("VmData:")]
+    return kibibytes[0] * 1024e-6 if kibibytes else None

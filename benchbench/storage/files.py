@@ -71,9 +71,12 @@ def write_solution(folder: Path, values: Mapping[str, Array]) -> Path:
 def vacate(folder: Path) -> None:
     """Remove what an earlier run left in a run's folder, so that no old file stands beside a new record.
 
-    The record goes first: without it the others belong to no run. Raises BadInput("output", ...).
+    The record goes first: without it the others belong to no run. A file or link where the folder should be goes, too.
+    Raises BadInput("output", ...).
     """
     try:
+        if folder.is_symlink() or folder.is_file():
+            folder.unlink()
         for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG):
             (folder / name).unlink(missing_ok=True)
     except OSError as error:

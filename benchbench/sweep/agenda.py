@@ -38,6 +38,7 @@ class Agenda:
         """Take all combinations."""
         self._combinations, self._listener = combinations, listener
         self._elsewhere: list[tuple[Combination, Place, Settings]] = []
+        self._mine: set[str] = set()
         self._claims, self._earlier = cache(Claims), cache(Earlier)
 
     def tasks(self) -> Tasks:
@@ -82,13 +83,17 @@ class Agenda:
             return True
         claims, label = self._claims(place.root), place.labels["config_hash"]
         earlier = self._earlier(place.root, settings.rerun, settings.repeats)
-        if earlier.exit_code(label) is None and not claims.take(label):
-            self._elsewhere.append((combination, place, settings))
-            return False
-        if earlier.exit_code(label) is None:
-            earlier.read()  # another sweep may have run it since the last time
         code = earlier.exit_code(label)
+        if code is None:
+            if not claims.take(label):
+                self._elsewhere.append((combination, place, settings))
+                return False
+            earlier.read(self._mine)  # another sweep may have run it since the last time
+            code = earlier.exit_code(label)
+            if code is not None:
+                claims.release(label)
         if code is not None:
-            claims.release(label)
             self._listener.skipped(combination, code)
-        return code is None
+            return False
+        self._mine.add(place.labels["run_id"])
+        return True

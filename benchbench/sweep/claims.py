@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from pathlib import Path
 from typing import final
 
@@ -16,25 +17,24 @@ class Claims:
 
     def __init__(self, root: Path) -> None:
         """Take the folder of results; the file is made with the first claim."""
-        self._path, self._file, self._held = root / FILE, -1, set[str]()
+        self._path, self._file, self._held = root / FILE, -1, Counter[str]()
 
     def take(self, name: str) -> bool:
-        """Claim a run by its configuration hash; False if it is claimed, here or by another process.
+        """Claim a run by its configuration hash, once more if it is claimed here; False if another process has it.
 
         Where the file system knows no locks, each process has its own claims only.
         """
-        if name in self._held:
+        if not self._held[name] and not self._lock(name):
             return False
-        if not self._lock(name):
-            return False
-        self._held.add(name)
+        self._held[name] += 1
         return True
 
     def release(self, name: str) -> None:
-        """Give a claim back."""
-        if name in self._held:
-            self._held.remove(name)
+        """Give one claim back."""
+        if self._held[name] == 1:
             _locked(self._file, name, False)
+        if self._held[name]:
+            self._held[name] -= 1
 
     def _lock(self, name: str) -> bool:
         try:

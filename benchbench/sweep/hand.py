@@ -52,7 +52,8 @@ class Hand:
         folder = Path(
             str(job.config.hydra.runtime.output_dir)
         )  # on a cluster another one than the place says
-        request = Request(pickle.dumps((job, settings)), folder / LOG, settings.hard_limit)
+        content = pickle.dumps((job, settings))
+        request = Request(content, folder / LOG, settings.hard_limit, settings.memory_limit_mb)
         try:
             self.channel.send(request)
         except OSError:  # it is dead, as its pool will hear

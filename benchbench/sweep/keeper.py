@@ -19,9 +19,11 @@ from dataclasses import dataclass
 from importlib import import_module
 from multiprocessing.connection import Connection
 from pathlib import Path
+from typing import Literal
 
 from hydra.core.config_search_path import ConfigSearchPath
 
+from benchbench.run import memory
 from benchbench.sweep import processes, worker
 from benchbench.sweep.log import Log
 
@@ -33,6 +35,13 @@ OWN = ("benchbench.", "benchbench_plugins.")
 """Packages whose modules are kept, once a run has needed them, for the following ones."""
 
 
+Limit = Literal["time", "memory", "program"]
+LEAST_MB = 10.0
+"""Memory that a run must have beside what the program takes by itself."""
+WATCH_S = 0.25
+"""How often the memory of a run is looked at."""
+
+
 @dataclass(frozen=True)
 class Request:
     """A run to carry out; `content` is for the run's process only, and what it answers likewise."""
@@ -40,17 +49,19 @@ class Request:
     content: bytes
     log: Path
     seconds: float
+    megabytes: float | None
 
 
 @dataclass(frozen=True)
 class Exit:
-    """How the process of a run ended: its exit code (negative: a signal), whether it was killed at its limit.
+    """How the process of a run ended: its exit code (negative: a signal), and the limit that it was killed at, if any.
 
-    answer: what it said at its end, if it came to that; said: the last of what it printed.
+    limit: "program" is that of memory, where the keeper takes as much before it forks; answer: what the run said at its
+    end, if it came to that; said: the last of what it printed.
     """
 
     code: int
-    expired: bool
+    limit: Limit | None
     answer: bytes
     said: str
 
@@ -78,6 +89,9 @@ def keep(channel: Connection, search_path: ConfigSearchPath, picture: bool) -> N
 
 def _carry_out(request: Request, channel: Connection, woken: int) -> Exit:
     """Fork, watch and clear up. Raises EOFError when the parent is gone."""
+    takes = memory.held("self") or 0.0
+    if request.megabytes is not None and takes + LEAST_MB > request.megabytes:
+        return Exit(0, "program", b"", f"{takes:.0f} MB")
     answer = _paper()
     output, said = os.pipe()
     process = os.fork()
@@ -87,7 +101,7 @@ def _carry_out(request: Request, channel: Connection, woken: int) -> Exit:
     os.close(said)
     try:
         with Log(request.log) as log:
-            code, expired = _watch(process, output, log, channel, woken, request.seconds)
+            code, limit = _watch(process, request, output, log, channel, woken)
             processes.end_all_below()
             while log.take(output):
                 pass
@@ -95,21 +109,22 @@ def _carry_out(request: Request, channel: Connection, woken: int) -> Exit:
     finally:
         os.close(output)
         os.close(answer)
-    return Exit(code, expired, answered, log.tail)
+    return Exit(code, limit, answered, log.tail)
 
 
 def _watch(
-    process: int, output: int, log: Log, channel: Connection, woken: int, seconds: float
-) -> tuple[int, bool]:
-    """Return the exit code of a process, and whether it was killed at its limit."""
+    process: int, request: Request, output: int, log: Log, channel: Connection, woken: int
+) -> tuple[int, Limit | None]:
+    """Return the exit code of a process, and the limit at which it was killed."""
     os.set_blocking(output, False)
     watched = select.poll()
     for descriptor in (output, woken, channel.fileno()):
         watched.register(descriptor, select.POLLIN)
-    limit, expired = time.monotonic() + seconds, False
+    until, broken = time.monotonic() + request.seconds, None
     while True:
-        left = limit - time.monotonic()
-        for descriptor, _ in watched.poll(max(0.0, left) * 1e3 if not expired else None):
+        left = until - time.monotonic()
+        nap = left if request.megabytes is None else min(left, WATCH_S)
+        for descriptor, _ in watched.poll(max(0.0, nap) * 1e3 if broken is None else None):
             if descriptor == output and log.take(output) is None:
                 watched.unregister(output)  # the run has closed it
             elif descriptor == woken:
@@ -118,10 +133,17 @@ def _watch(
                 raise EOFError  # it never speaks during a run
         ended, status = os.waitpid(process, os.WNOHANG)
         if ended:
-            return os.waitstatus_to_exitcode(status), expired
-        if time.monotonic() >= limit and not expired:
-            expired = True
+            return os.waitstatus_to_exitcode(status), broken
+        if broken is None and (broken := _broken(process, request, until)):
             processes.kill([process])
+
+
+def _broken(process: int, request: Request, until: float) -> Limit | None:
+    if time.monotonic() >= until:
+        return "time"
+    if request.megabytes is not None and (memory.held(process) or 0.0) > request.megabytes:
+        return "memory"
+    return None
 
 
 def _paper() -> int:

@@ -154,8 +154,13 @@ class _Pool:
 
 
 def _end(told: Exit, settings: Settings) -> Ended | BenchBenchError:
-    if told.expired:
+    if told.limit == "time":
         return _too_long(settings)
+    if told.limit == "program":
+        limit = f"memory_limit_mb is {settings.memory_limit_mb:g}"
+        return OutOfMemory(f"the program takes {told.said} before the run begins, and {limit}")
+    if told.limit == "memory":
+        return OutOfMemory(f"killed when it held more than its limit of {settings.memory_limit_mb:g} MB")
     return worker.decoded(told.answer) or _cause(told, settings)
 
 
@@ -172,6 +177,8 @@ def _cause(told: Exit, settings: Settings) -> BenchBenchError:
         return OutOfMemory(f"{how} when it needed more memory than {limit} had to give")
     if code == -signal.SIGKILL:
         how += ", sent by somebody else; often the system, when its memory runs out"
+    if code == worker.SAID_NOTHING:
+        how = "the process could not tell its result; a plugin may have damaged it"
     if code == 0:
         how += " before it had told its result; a plugin may end it, as os._exit does"
     return Crash(f"{how}; see {LOG} in its folder" if told.said else how)

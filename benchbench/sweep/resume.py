@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any, final
 
@@ -38,14 +38,13 @@ class Earlier:
         """Exit code of the run with this configuration, None if there is none to count."""
         return self._codes.get(config_hash)
 
-    def read(self) -> None:
-        """Read the rows that were added since the last time."""
+    def read(self, ours: Collection[str]) -> None:
+        """Read the rows that were added since the last time, but for those of our own runs, given by `run_id`."""
         from benchbench.storage.table import added
 
-        for row in added(
-            self._root, self._seen, ("config_hash", "status", "certified", "repeats", *self._code)
-        ):
-            if self._counts(row):
+        columns = ("run_id", "config_hash", "status", "certified", "repeats", *self._code)
+        for row in added(self._root, self._seen, columns):
+            if row["run_id"] not in ours and self._counts(row):
                 key = str(row["config_hash"])
                 self._codes[key] = min(self._codes.get(key, BAD_INPUT), _exit_code(row))
 

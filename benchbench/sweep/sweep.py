@@ -8,12 +8,13 @@ from typing import final
 from hydra.core.config_search_path import ConfigSearchPath
 from rich.console import Console
 
+from benchbench.errors import BadInput
 from benchbench.run.execution import Ended, failure
 from benchbench.sweep.agenda import Agenda
 from benchbench.sweep.combination import Combination
 from benchbench.sweep.display import Display
 from benchbench.sweep.pool import run_all
-from benchbench.sweep.task import Engine
+from benchbench.sweep.task import Engine, Task
 
 
 def sweep(
@@ -30,14 +31,26 @@ def sweep(
     with Display(len(combinations), traced, _shared(combinations)) as display:
         account = _Account(display)
         agenda = Agenda(combinations, account)
-        for (job, place, _), told in engine(agenda.tasks(), search_path):
-            end = told if isinstance(told, Ended) else failure(told, job.case, place, peak_memory_mb=None)
+        for task, told in engine(agenda.tasks(), search_path):
+            job, place, _ = task
+            end = _end(task, told)
             agenda.done(place)
             account.ended(by_number[job.number], end)
     if account.earlier:
         note = f"{account.earlier} of {len(combinations)} runs are in the table and are skipped"
         Console(highlight=False).print(f"{note}; rerun=all runs them again", soft_wrap=True)
     return [account.codes[number] for number in by_number]
+
+
+def _end(task: Task, told: Ended | BaseException) -> Ended:
+    """Give a run its row, if its process has not: that may have lost the right to."""
+    job, place, _ = task
+    if isinstance(told, Ended):
+        if told.record is not None or place.stored:
+            return told
+        why = "; ".join(complaint.text for complaint in told.complaints)
+        told = BadInput("output", f"the run could not store its record: {why}")
+    return failure(told, job.case, place, peak_memory_mb=None)
 
 
 @final

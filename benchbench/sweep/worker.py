@@ -25,7 +25,6 @@ from hydra.core.utils import run_job
 from hydra.types import HydraContext
 from omegaconf import DictConfig
 
-from benchbench.errors import OutOfMemory
 from benchbench.run import memory
 from benchbench.run.execution import (
     BAD_INPUT,
@@ -88,19 +87,17 @@ def work(job: Job, settings: Settings) -> Ended:
     """Carry out one run in this process, within its limit of memory."""
     context = HydraContext(GlobalHydra.instance().config_loader(), Callbacks())
     Path(job.config.hydra.runtime.output_dir).mkdir(parents=True, exist_ok=True)
+    memory.limit(settings.memory_limit_mb)
     folder_key, sub_key = ("hydra.sweep.dir", "hydra.sweep.subdir") if job.swept else ("hydra.run.dir", None)
 
-    def limited(cfg: DictConfig) -> Ended:
+    def guarded(cfg: DictConfig) -> Ended:
         try:
             memory.limit(settings.memory_limit_mb)
             return execute(cfg)
-        except (
-            OutOfMemory,
-            KeyboardInterrupt,
-        ) as error:  # the latter is a plugin's: Ctrl-C does not come here
+        except KeyboardInterrupt as error:  # a plugin's: Ctrl-C does not come here
             return failure(error, cfg, Place.of(cfg))
 
-    return run_job(limited, job.config, folder_key, sub_key, context).return_value
+    return run_job(guarded, job.config, folder_key, sub_key, context).return_value
 
 
 def encoded(end: Ended, modules: list[str]) -> bytes:

@@ -24,6 +24,8 @@ from benchbench_plugins.solvers.output import quiet as quiet
 from benchbench_plugins.solvers.watch import SolverWatch
 
 COMMON = {"calc_lam_p": False, "print_time": False, "error_on_fail": False}
+OVERRUN = 1.2
+"""Share of its time from which on a backend that took more is told to have."""
 UNIFIED: dict[str, Claim] = {
     "SOLVER_RET_LIMITED": "iteration_limit",
     "SOLVER_RET_INFEASIBLE": "infeasible",
@@ -115,12 +117,27 @@ def _runner(
     def solve(bounded: Program, p: Array, start: Point) -> Outcome:
         if watch:  # named here, because CasADi holds no reference to its callback
             watch.begin()
+        began = time.perf_counter()
         with quiet(setup.progress is None):
             outcome = _run(solver, bounded, backend.claims, watch, p, start, setup.iterations)
-        ran_out = outcome.claim == "failed" and outcome.iterations >= setup.iterations
-        return replace(outcome, claim="iteration_limit") if ran_out else outcome
+        return _limited(outcome, setup, time.perf_counter() - began)
 
     return solve
+
+
+def _limited(outcome: Outcome, setup: Setup, took: float) -> Outcome:
+    """Name the limit that an outcome is due to: CasADi calls both the same, some backends neither.
+
+    took: wall seconds; a backend may overrun its limit by far where it looks at its clock between iterations only.
+    """
+    if outcome.claim not in ("failed", "iteration_limit"):
+        return outcome
+    if outcome.iterations >= setup.iterations:
+        return replace(outcome, claim="iteration_limit")
+    if took < setup.seconds:
+        return outcome
+    over = f", after {took:.0f} s of {setup.seconds:g} s" if took > OVERRUN * setup.seconds else ""
+    return replace(outcome, claim="time_limit", detail=f"{outcome.detail}{over}")
 
 
 def _create(plugin: str, problem: Any, options: dict[str, Any]) -> ca.Function:
