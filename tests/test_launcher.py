@@ -146,6 +146,27 @@ def test_kill_of_the_parent_loses_only_what_was_running(tmp_path: Path, calm_swe
     assert len(answers(tmp_path / "results")) == RUNS
 
 
+def test_two_sweeps_into_a_folder_share_the_work(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "benchbench", *SWEEP, "picture=false", "workers=1"]
+    both = [
+        subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True, env={**os.environ, "OMP_NUM_THREADS": "1"})
+        for _ in range(2)
+    ]  # fmt: skip
+    said = [process.communicate(timeout=300)[0] for process in both]
+    assert [process.returncode for process in both] == [1, 1]
+    rows = read(tmp_path / "results")
+    assert len(rows) == RUNS and rows["config_hash"].is_unique
+    assert all(text.splitlines()[-1] == f"0 of {RUNS} runs certified" for text in said)
+
+
+def test_a_solver_that_overruns_its_time_is_told_to_have(tmp_path: Path) -> None:
+    """Uno looks at its clock between iterations only; CasADi calls its end at either limit the same."""
+    told(tmp_path, "+scenario=static", "solver=uno", "time_limit=0.02", *QUICK, "picture=false")
+    (record,) = records(tmp_path)
+    assert record["status"] == "time_limit"
+    assert " s of " in record["reasons"][0]
+
+
 def test_ctrl_c_ends_the_sweep_and_its_workers(tmp_path: Path) -> None:
     sweep = ("-m", "+scenario=static,circle", *BAD, "+strategy.how=spin")
     with on_terminal(tmp_path, *sweep, PYTHONPATH=path_with_bad_runs()) as (process, terminal):

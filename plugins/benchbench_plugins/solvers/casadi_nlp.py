@@ -136,7 +136,7 @@ def _limited(outcome: Outcome, setup: Setup, took: float) -> Outcome:
         return replace(outcome, claim="iteration_limit")
     if took < setup.seconds:
         return outcome
-    over = f", after {took:.0f} s of {setup.seconds:g} s" if took > OVERRUN * setup.seconds else ""
+    over = f", after {took:.1f} s of {setup.seconds:.3g} s" if took > OVERRUN * setup.seconds else ""
     return replace(outcome, claim="time_limit", detail=f"{outcome.detail}{over}")
 
 
