@@ -9,6 +9,7 @@ from typing import Any, final
 from benchbench.run.execution import BAD_INPUT, CERTIFIED, NOT_CERTIFIED
 from benchbench.run.settings import Rerun
 from benchbench.storage import provenance
+from benchbench.storage.contents import source_hash
 from benchbench.storage.status import Status
 
 ENDED_ITSELF = (
@@ -57,9 +58,8 @@ class Earlier:
 
 
 def _code() -> dict[str, Any]:
-    commit, dirty = provenance.git_state(provenance.CHECKOUT)
-    version = provenance.version("benchbench")
-    return {"benchbench_version": version, "git_commit": commit, "git_dirty": dirty}
+    """What a row has to say of the program that made it: the same source of BenchBench and of all plugins."""
+    return {"benchbench_version": provenance.version("benchbench"), "source_hash": source_hash()}
 
 
 def _exit_code(row: Mapping[str, Any]) -> int:
