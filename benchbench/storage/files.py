@@ -71,16 +71,13 @@ def write_solution(folder: Path, values: Mapping[str, Array]) -> Path:
 def vacate(folder: Path) -> None:
     """Remove what an earlier run left in a run's folder, so that no old file stands beside a new record.
 
-    The record goes first: without it the others belong to no run. A file or link where the folder should be goes, too.
-    Raises BadInput("output", ...).
+    The record goes first: without it the others belong to no run. A file or link where the folder should be goes, too. What
+    cannot be removed is told by who writes it anew.
     """
-    try:
-        if folder.is_symlink() or folder.is_file():
-            folder.unlink()
-        for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG):
-            (folder / name).unlink(missing_ok=True)
-    except OSError as error:
-        raise _cannot_write(folder, error) from error
+    if folder.is_symlink() or folder.is_file():
+        _remove(folder)
+    for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG):
+        _remove(folder / name)
 
 
 def _cannot_write(folder: Path, error: OSError) -> BadInput:
@@ -94,4 +91,4 @@ def _remove(path: Path) -> None:
     try:
         path.unlink(missing_ok=True)
     except OSError:
-        return  # a leftover temporary file is ignored by every reader
+        return  # a leftover temporary file is ignored by every reader; any other is told by who writes it anew
