@@ -21,7 +21,7 @@ from benchbench.storage.table import read
 
 QUICK = ("strategy=phases", "scenario.intervals=12", "picture=false")
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "own_config"
-TYPES = {"int": int, "float": float, "str": str, "bool": bool, "strings": list}
+TYPES = {"int": int, "float": float, "str": str, "bool": bool, "strings": list, "numbers": dict}
 needs_terminal = pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are POSIX")
 
 

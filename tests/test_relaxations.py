@@ -19,7 +19,7 @@ from benchbench.mpcc.problem import Mpcc, Pair, PairKind, Variable, block, evalu
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import Solved, homotopy
 from benchbench.nlp.ledger import Ledger
-from benchbench.nlp.relaxation import Relaxation, Relaxed, Unknown, relax, smooth
+from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Unknown, relax, smooth
 from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
 from benchbench.ocp.plan import Plan
 from benchbench.pipeline import run
@@ -104,9 +104,7 @@ class Products(Relaxation):
 
     schedule: tuple[float, ...] = (1.0,)
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         return Relaxed(g * h - sigma, (-np.inf,), (0.0,))
 
 
@@ -203,12 +201,10 @@ class Told(Relaxation):
     schedule: tuple[float, ...] = (1.0,)
     kinds: ClassVar[tuple[PairKind, ...]] = ("complementarity", "vanishing")
 
-    def relax(
-        self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, name: str, limit: float | None
-    ) -> Relaxed:
+    def relax(self, g: ca.SX, h: ca.SX, sigma: ca.SX, kind: PairKind, gap: Gap | None) -> Relaxed:
         free, held = ca.SX.sym("free"), ca.SX.sym("held")
         unknowns = (Unknown(free, -1.0, 2.0, 10 * g), Unknown(held, -3.0, 4.0, 10 * g, 10 * h))
-        return Relaxed(ca.SX(limit or 0.0), (0.0,), (0.0,), unknowns=unknowns, signs=False)
+        return Relaxed(ca.SX(gap.limit if gap else 0.0), (0.0,), (0.0,), unknowns=unknowns, signs=False)
 
 
 def test_every_scalar_pair_has_its_own_limit() -> None:
