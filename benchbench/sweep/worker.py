@@ -23,7 +23,8 @@ from hydra.core.global_hydra import GlobalHydra
 from hydra.core.plugins import Plugins
 from hydra.core.utils import run_job
 from hydra.types import HydraContext
-from omegaconf import DictConfig
+from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
 
 from benchbench.run import memory
 from benchbench.run.execution import (
@@ -44,6 +45,8 @@ from benchbench.sweep.job import Job
 WRITERS = ("benchbench.storage.recording", "benchbench.storage.table")
 PICTURE = "benchbench.report.picture"
 """Modules that a run needs once it has a plan."""
+INTERPOLATIONS = ("${a}", "${a}/x/${f:%Y-%m-%d}/${f:%H-%M-%S-%f}", "${f:a.b}", "${f:X,y}", "${a.b}", "${.c}")
+"""One of each form that configurations have."""
 SAID_NOTHING = 70
 """Exit code of a run's process whose own machinery failed; its log has the traceback."""
 
@@ -56,6 +59,9 @@ def begin(search_path: ConfigSearchPath, picture: bool) -> None:
         : None if picture else -1
     ]:  # not at the top: the parent, and whoever refuses bad input, does without
         import_module(module)
+    for text in INTERPOLATIONS:  # the parser learns its grammar by use: 70 ms of CPU less in every run
+        with contextlib.suppress(OmegaConfBaseException):
+            OmegaConf.to_container(OmegaConf.create({"a": 1, "b": text}), resolve=True)
     version.setbase("1.3")
     Plugins.instance()  # finds the kinds of places that configuration comes from
     GlobalHydra.instance().clear()
