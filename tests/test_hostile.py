@@ -62,8 +62,11 @@ def test_each_end_is_named(sweep: Swept, way: str, status: str, reason: str) -> 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root has rights to drop")
 def test_a_run_that_may_not_write_any_more_has_its_row(sweep: Swept) -> None:
     (row,) = sweep.rows["drop_rights"]
-    assert row["status"] == "bad_input"
-    assert "could not store its record" in row["reasons"][0]
+    told = {
+        "bad_input": "could not store its record",
+        "crash": "could not tell its result",
+    }  # where even imports need them
+    assert told[row["status"]] in row["reasons"][0]
 
 
 def test_what_a_run_says_is_cut(sweep: Swept) -> None:
