@@ -322,7 +322,12 @@ def limit_its_cpu_time() -> None:
 def set_the_environment() -> None:
     os.environ.clear()
     os.environ.update(
-        OMP_NUM_THREADS="64", PATH="", LC_ALL="C", TZ="Asia/Kolkata", HOME="/proc/nowhere", TMPDIR="/proc/nowhere"
+        OMP_NUM_THREADS="64",
+        PATH="",
+        LC_ALL="C",
+        TZ="Asia/Kolkata",
+        HOME="/proc/nowhere",
+        TMPDIR="/proc/nowhere",
     )
     os.umask(0o777)
     time.tzset()
