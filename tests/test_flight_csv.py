@@ -93,3 +93,36 @@ def test_what_is_wrong_is_named_with_its_line(change, message: str, tmp_path: Pa
     path.write_text("\n".join(change(path.read_text().splitlines())))
     with pytest.raises(BadInput, match=message):
         read_csv(path)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda rows: [[*row, row[1]] for row in rows], "has two columns p_x"),
+        (lambda rows: [rows[0], *([repr(float(row[0]) + 1), *row[1:]] for row in rows[1:])], "line 2: t: starts at 1 s"),
+        (lambda rows: [*rows[:3], [*rows[3], "7"], *rows[4:]], "line 4: has 22 cells, the header has 21"),
+    ],
+    ids=["twice", "late", "longer"],
+)  # fmt: skip
+def test_what_could_be_meant_in_two_ways_is_refused(change, message: str, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    path = written(flight_of(wild(8)), tmp_path / "flight.csv")
+    rows = [line.split(",") for line in path.read_text().splitlines()]
+    path.write_text("\n".join(map(",".join, change(rows))))
+    with pytest.raises(BadInput, match=message):
+        read_csv(path)
+
+
+def test_a_mark_of_the_byte_order_is_no_part_of_a_name(tmp_path: Path) -> None:
+    path = written(flight_of(wild(8)), tmp_path / "flight.csv")
+    plain = read_csv(path)
+    path.write_text(path.read_text(), encoding="utf-8-sig")
+    assert np.array_equal(read_csv(path).time, plain.time)
+
+
+def test_a_column_of_no_progress_says_that_there_is_no_contact(tmp_path: Path) -> None:
+    """Without the column the file says nothing of contact, and the longest one is looked for."""
+    path = written(flight_of(wild(8)), tmp_path / "flight.csv")
+    assert np.isnan(plan_of(read_csv(path), table_one(), "linear").progress).all()
+    head, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([f"{head},progress", *(f"{row},0.0" for row in rows)]))
+    assert np.array_equal(plan_of(read_csv(path), table_one(), "linear").progress, np.zeros(8))
