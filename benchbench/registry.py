@@ -11,7 +11,7 @@ from typing import Any
 
 FAMILIES = (
     "models", "dynamics", "contacts", "motions", "relaxations", "solvers", "strategies", "guesses", "collections", "peers",
-    "scenarios",
+    "scenarios", "task_families",
 )  # fmt: skip
 
 

@@ -21,6 +21,7 @@ from benchbench.ocp.contact import Contact
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.task_family import TaskFamily
 from benchbench.planning.case import Guess, Strategy
 from benchbench.planning.peer import Peer
 from benchbench.registry import FAMILIES, installed
@@ -30,7 +31,7 @@ from benchbench_plugins.solvers.nlpsol import Nlpsol
 BASES = {
     "models": Model, "dynamics": Dynamics, "contacts": Contact, "motions": Motion, "relaxations": Relaxation,
     "solvers": Solver, "strategies": Strategy, "guesses": Guess, "peers": Peer,
-    "collections": ReadyMade, "scenarios": Scenario,
+    "collections": ReadyMade, "scenarios": Scenario, "task_families": TaskFamily,
 }  # fmt: skip
 
 

@@ -13,7 +13,7 @@ from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.motion import Motion, sample
 from benchbench.run import config
-from benchbench_plugins.motions import Circle, Combined, Fixed, Linear, Spline
+from benchbench_plugins.motions import Braking, Circle, Combined, Fixed, Linear, Spline
 
 POINTS = np.array([[0.5, 1.0, 0.0, 0.4], [1.1, 1.2, 0.3, 0.45], [2.0, 1.1, 0.5, 0.5], [2.7, 0.8, 0.4, 0.4]])
 
@@ -40,10 +40,11 @@ def tilted(**changes: object) -> Circle:
 def all_motions(tmp_path: Path) -> list[Motion]:
     file = write(tmp_path / "path.csv", POINTS)
     circle, line = tilted(), Linear((0.9, 0.0, 0.4), (0.1, -0.2, 0.05))
-    return [Fixed((1.0, 0.0, 0.4)), line, circle, Spline(file), Combined((line, circle, Spline(file)))]
+    braking = Braking((0.2, 0.1, 0.4), (0.3, -0.4, 0.1), 2.51)
+    return [Fixed((1.0, 0.0, 0.4)), line, circle, Spline(file), Combined((line, circle, Spline(file))), braking]
 
 
-@pytest.mark.parametrize("which", range(5))
+@pytest.mark.parametrize("which", range(6))
 def test_velocity_is_the_rate_of_position(tmp_path: Path, which: int) -> None:
     motion = all_motions(tmp_path)[which]
     times = np.linspace(-1.03, 4.02, 41)
@@ -63,6 +64,20 @@ def test_circle_in_any_plane_keeps_radius_plane_and_rate() -> None:
     np.testing.assert_allclose(np.linalg.norm(arm, axis=1), 0.4, rtol=1e-13)
     np.testing.assert_allclose(arm @ normal, 0.0, atol=1e-14)
     np.testing.assert_allclose(np.cross(arm, velocity), 0.4**2 * 0.7 * np.tile(normal, (200, 1)), atol=1e-13)
+
+
+def test_a_braking_target_comes_to_rest_smoothly_and_stays() -> None:
+    start, first, stop = np.array([0.2, 0.1, 0.4]), np.array([0.3, -0.4, 0.1]), 2.5
+    times = np.linspace(-1, 6, 7001)
+    position, velocity = sample(Braking(tuple(start), tuple(first), stop), times)
+    speed = velocity @ first / (first @ first)
+    np.testing.assert_allclose(velocity, np.outer(speed, first), atol=1e-14)
+    assert np.all(np.diff(speed) <= 1e-15)
+    np.testing.assert_allclose(speed[times <= 0], 1, atol=1e-14)
+    np.testing.assert_allclose(speed[times >= stop], 0, atol=1e-14)
+    np.testing.assert_allclose(position[times >= stop], np.tile(start + first * stop / 2, (3501, 1)), atol=1e-14)
+    acceleration = np.gradient(speed, times)
+    assert np.abs(np.diff(acceleration)).max() < 2 * 6 / stop**2 * 1e-3  # no jump: 6 / stop^2 is its steepest slope
 
 
 def test_phase_is_measured_from_the_first_axis() -> None:

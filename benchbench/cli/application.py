@@ -18,7 +18,8 @@ from benchbench import __version__
 from benchbench.cli import commands
 from benchbench.errors import BadInput
 from benchbench.run import config, summary
-from benchbench.run.execution import BAD_INPUT, CERTIFIED, execute
+from benchbench.run.drawing import drawn
+from benchbench.run.execution import BAD_INPUT, CERTIFIED, Ended, Place, execute, failure
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.overrides import carried, implying
 from benchbench.sweep.combination import Combination
@@ -99,6 +100,15 @@ def _file(error: OSError) -> BadInput:
     return BadInput("output", f"cannot write '{path}': {error.strerror}", "a folder you may write to")
 
 
+def _ended(composed: DictConfig) -> Ended:
+    """How the one configuration there is ended; of a family of tasks, the task that is drawn from it."""
+    try:
+        cfg = drawn(composed)
+    except EXPECTED as error:
+        return failure(error, composed, Place.of(composed))
+    return isolated(cfg) if limited(cfg) else execute(cfg)
+
+
 @dataclass
 class _Invocation:
     """The runs of one call and how they ended, as exit codes; Hydra calls it for a single run."""
@@ -108,7 +118,7 @@ class _Invocation:
 
     def __call__(self, cfg: DictConfig) -> None:
         """Run the one configuration there is."""
-        ended = isolated(cfg) if limited(cfg) else execute(cfg)
+        ended = _ended(cfg)
         self.codes.append(ended.code)
         for complaint in ended.complaints:
             summary.complain(complaint.kind, complaint.text, complaint.trace if self.traced else "")

@@ -58,7 +58,7 @@ def listing(arguments: Sequence[str]) -> Iterator[str]:
 def _everything() -> Iterator[str]:
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
         found = {family: _family(family) for family in (*config.FAMILIES, "peer")}
-    found |= {family: _registered(family) for family in ("contacts", "motions")}
+    found |= {family: _registered(family) for family in ("contacts", "motions", "task_families")}
     found["scenarios"] = [*_own_kinds(), *_registered("scenarios")]
     widths = tuple(
         max(len(getattr(row, k)) for rows in found.values() for row in rows) for k in ("name", "origin")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -13,12 +12,11 @@ import hydra
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.object_type import ObjectType
 from hydra.core.plugins import Plugins
-from hydra.errors import InstantiationException
-from omegaconf import DictConfig, ListConfig, OmegaConf, open_dict
+from omegaconf import DictConfig, OmegaConf, open_dict
 from pydantic import ValidationError
 
 from benchbench.certificate.limits import Limits, ProblemLimits
-from benchbench.errors import BadInput, BenchBenchError, invalid, unknown_field
+from benchbench.errors import BadInput, invalid, unknown_field
 from benchbench.mpcc.ready import ReadyMade
 from benchbench.nlp.relaxation import Relaxation
 from benchbench.nlp.solver import Solver
@@ -28,7 +26,9 @@ from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case, Guess, ReadyCase, Strategy
 from benchbench.planning.task_hash import task_hash
 from benchbench.run import settings, trust
+from benchbench.run.drawing import drawn
 from benchbench.run.hydra_errors import EXPECTED, PARTS, explained
+from benchbench.run.making import made
 from benchbench.run.overrides import implied, implying
 from benchbench.run.plugin_choices import SearchPath
 from benchbench.transcription.dynamics import Dynamics
@@ -87,14 +87,14 @@ def compose_any(*overrides: str, stored: bool = False) -> Case | ReadyCase:
 
     stored: the overrides stood in a folder of results, so they are data: only installed plugins are made.
     """
-    cfg, chosen = composed(*overrides)
-    if stored:
-        trust.check(OmegaConf.to_container(cfg, resolve=True), "configuration")
-    return build(cfg, chosen)
+    return build(*composed(*overrides, stored=stored))
 
 
-def composed(*overrides: str) -> tuple[DictConfig, dict[str, Any]]:
-    """Return the configuration that overrides lead to, and the names of its choices by family. Raises BadInput."""
+def composed(*overrides: str, stored: bool = False) -> tuple[DictConfig, dict[str, Any]]:
+    """Return the configuration that overrides lead to, and the names of its choices by family. Raises BadInput.
+
+    stored: as in `compose_any`. A family of tasks is the one task that is drawn from it.
+    """
     with hydra.initialize_config_dir(folder(), version_base="1.3"):
         try:
             cfg = hydra.compose("config", meant(overrides), return_hydra_config=True)
@@ -103,7 +103,9 @@ def composed(*overrides: str) -> tuple[DictConfig, dict[str, Any]]:
     chosen = dict(cfg.hydra.runtime.choices)
     with open_dict(cfg):
         del cfg["hydra"]
-    return cfg, chosen
+    if stored:
+        trust.check(OmegaConf.to_container(cfg, resolve=True), "configuration")
+    return drawn(cfg), chosen
 
 
 def meant(overrides: Sequence[str], more: str | None = None) -> list[str]:
@@ -221,60 +223,4 @@ def _check_margins(scenario: Mapping[str, Any]) -> None:
 
 def make(cfg: DictConfig, family: str) -> Any:
     """Make the choice of one family. Raises BadInput."""
-    try:
-        made = hydra.utils.instantiate(cfg[family], _convert_="all")
-    except InstantiationException as error:
-        raise _explained(cfg, family, error) from None
-    except EXPECTED as error:
-        raise explained(error) from None
-    if not isinstance(made, KINDS[family]):
-        raise BadInput(f"{family}._target_", f"gives a {type(made).__name__}", f"a {_kind(family)}")
-    _check_names(cfg[family], family)
-    return made
-
-
-def _kind(family: str) -> str:
-    kinds = KINDS[family]
-    return " or ".join(kind.__name__ for kind in (kinds if isinstance(kinds, tuple) else (kinds,)))
-
-
-def _check_names(node: Any, place: str) -> None:
-    """Raise BadInput for a key that its class does not take; classes that ignore what they do not know exist."""
-    if isinstance(node, ListConfig):
-        for i, item in enumerate(node):
-            _check_names(item, f"{place}.{i}")
-    if not isinstance(node, DictConfig):
-        return
-    names = _parameters(node)
-    for key in map(str, node):
-        if names and key not in names and not key.startswith("_"):
-            raise unknown_field(f"{place}.{key}", names)
-        _check_names(node[key], f"{place}.{key}")
-
-
-def _parameters(node: DictConfig) -> list[str]:
-    """Names that the class of a configuration node takes; none if it has no class or takes any name."""
-    try:
-        parameters = inspect.signature(hydra.utils.get_class(node["_target_"])).parameters
-    except KeyError:
-        return []
-    if any(p.kind is p.VAR_KEYWORD for p in parameters.values()):
-        return []
-    return list(parameters)
-
-
-def _explained(cfg: DictConfig, family: str, error: InstantiationException) -> BenchBenchError:
-    cause: BaseException = error
-    while cause.__cause__ is not None and not isinstance(cause, (BenchBenchError, ValidationError)):
-        cause = cause.__cause__
-    where = str(error).rpartition("full_key: ")[2].strip() if "full_key: " in str(error) else family
-    where = where if where.startswith(family) else f"{family}.{where}"
-    if isinstance(cause, BenchBenchError):
-        return cause
-    if isinstance(cause, ValidationError):
-        return invalid(where, cause)
-    unknown = str(error).startswith("Error locating target") or cause is error
-    if unknown or isinstance(cause, (ImportError, AttributeError)):
-        target = OmegaConf.select(cfg, f"{where}._target_")
-        return BadInput(f"{where}._target_", f"'{target}' cannot be loaded: {str(cause).splitlines()[0]}")
-    return BadInput(where, str(cause).splitlines()[0])
+    return made(cfg, family, KINDS[family])

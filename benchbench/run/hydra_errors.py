@@ -18,7 +18,7 @@ from benchbench.errors import BadInput, BenchBenchError, unknown_choice, unknown
 
 EXPECTED = (BenchBenchError, HydraException, OmegaConfBaseException, YAMLError)
 """Errors about the input, not about the program."""
-PARTS = ("handover",)
+PARTS = ("handover", "hardware")
 """YAML files that others build on; nothing to choose by itself."""
 
 # Hydra's text -> (field, problem, allowed); {0}, {1} are the groups of the pattern.

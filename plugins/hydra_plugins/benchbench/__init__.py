@@ -84,6 +84,7 @@ class IsolatedLauncher(Launcher):
         ]
 
     def _compose(self, number: int, overrides: Sequence[str]) -> DictConfig:
+        from benchbench.run.drawing import drawn
         from benchbench.run.overrides import implied
 
         loader = self._context.config_loader
@@ -92,7 +93,7 @@ class IsolatedLauncher(Launcher):
             composed = loader.load_sweep_config(self._config, [*overrides, *more])
         with open_dict(composed):
             composed.hydra.job.id = composed.hydra.job.num = number
-        return composed
+        return drawn(composed)
 
 
 class ChoiceSweeper(BasicSweeper):
