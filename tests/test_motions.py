@@ -41,7 +41,14 @@ def all_motions(tmp_path: Path) -> list[Motion]:
     file = write(tmp_path / "path.csv", POINTS)
     circle, line = tilted(), Linear((0.9, 0.0, 0.4), (0.1, -0.2, 0.05))
     braking = Braking((0.2, 0.1, 0.4), (0.3, -0.4, 0.1), 2.51)
-    return [Fixed((1.0, 0.0, 0.4)), line, circle, Spline(file), Combined((line, circle, Spline(file))), braking]
+    return [
+        Fixed((1.0, 0.0, 0.4)),
+        line,
+        circle,
+        Spline(file),
+        Combined((line, circle, Spline(file))),
+        braking,
+    ]
 
 
 @pytest.mark.parametrize("which", range(6))
@@ -75,9 +82,12 @@ def test_a_braking_target_comes_to_rest_smoothly_and_stays() -> None:
     assert np.all(np.diff(speed) <= 1e-15)
     np.testing.assert_allclose(speed[times <= 0], 1, atol=1e-14)
     np.testing.assert_allclose(speed[times >= stop], 0, atol=1e-14)
-    np.testing.assert_allclose(position[times >= stop], np.tile(start + first * stop / 2, (3501, 1)), atol=1e-14)
+    np.testing.assert_allclose(
+        position[times >= stop], np.tile(start + first * stop / 2, (3501, 1)), atol=1e-14
+    )
     acceleration = np.gradient(speed, times)
-    assert np.abs(np.diff(acceleration)).max() < 2 * 6 / stop**2 * 1e-3  # no jump: 6 / stop^2 is its steepest slope
+    steepest = 6 / stop**2  # of the acceleration, which has no jump
+    assert np.abs(np.diff(acceleration)).max() < 2 * steepest * 1e-3
 
 
 def test_phase_is_measured_from_the_first_axis() -> None:
