@@ -48,16 +48,18 @@ def task(plan: Plan, **changes: Any) -> Handover:
         "name": "synthetic",
         "start": dict(zip(names, plan.configuration[0], strict=True)),
         "end": dict(zip(names, REST + SHIFT, strict=True)),
-        "target": along_tool(plan, MODEL.plant(), FIRST, LAST),
         "contacts": {"position": Position(), "velocity": Velocity(), "heading": Heading()},
     }
+    if "target" not in changes:
+        fields["target"] = along_tool(plan, MODEL.plant(), FIRST, LAST)
     return Handover(**(fields | changes))
 
 
 def alone(plan: Plan, **changes: Any) -> Handover:
     """The flight without any contact, ending where the plan does."""
     end = dict(zip(MODEL.configuration.names, plan.configuration[-1], strict=True))
-    return task(claimed(crossing_plan(), FIRST), contacts={}, end=end, **changes)
+    nowhere = Polynomial(0.0, np.zeros((1, 3)))
+    return task(plan, contacts={}, end=end, target=nowhere, **changes)
 
 
 _CROSSING: list[Plan] = []

@@ -10,7 +10,8 @@ from typing import Any, final
 import numpy as np
 import pytest
 from rich.console import Console
-from test_certificate import LIMITS, MODEL, crossing_plan, only_reason, task
+from test_certificate import LIMITS, only_reason
+from test_handover_certificate import MODEL, hover, task
 
 import benchbench as bb
 from benchbench import pipeline
@@ -89,15 +90,15 @@ def limits(**checks: object) -> Limits:
 
 
 def test_further_checks_are_asked_of_all_the_evidence() -> None:
-    plan = crossing_plan()
-    found = certify(plan, task(plan), MODEL, limits(present=True, acceleration=100.0, unknown=None))
+    plan = hover(4, 5)
+    found = certify(plan, task(), MODEL, limits(present=True, acceleration=100.0, unknown=None))
     assert found.certified
     assert [check.name for check in found.checks][-4:] == ["present", "present", "present", "acceleration"]
 
 
 def test_what_is_not_a_number_passes_no_check() -> None:
-    plan = crossing_plan()
-    assert only_reason(certify(plan, task(plan), MODEL, limits(unknown=True))) == "unknown is not a number"
+    plan = hover(4, 5)
+    assert only_reason(certify(plan, task(), MODEL, limits(unknown=True))) == "unknown is not a number"
     assert not bb.at_most("x", "x", np.nan, 1.0, "m").ok and not bb.at_least("x", "x", np.nan, 1.0, "m").ok
     assert not bb.at_most("x", "x", 1.0, np.nan, "m").ok and not bb.at_least("x", "x", 1.0, np.nan, "m").ok
 
@@ -129,9 +130,9 @@ def test_a_stored_configuration_names_no_function_by_its_path() -> None:
 
 
 def test_what_gives_no_check_is_bad_input() -> None:
-    plan = crossing_plan()
+    plan = hover(4, 5)
     with pytest.raises(BadInput, match="opinion: gives a bool"):
-        certify(plan, task(plan), MODEL, limits(opinion=True))
+        certify(plan, task(), MODEL, limits(opinion=True))
 
 
 @final
@@ -171,7 +172,7 @@ def high_enough(evidence: bb.Evidence) -> Iterator[bb.Check]:
 
 
 def test_a_kind_of_scenario_registers_its_evidence_and_checks() -> None:
-    plan = crossing_plan()
+    plan = hover(4, 5)
     ends = {
         side: dict(zip(MODEL.configuration.names, plan.configuration[k], strict=True))
         for side, k in (("start", 0), ("end", -1))
@@ -192,7 +193,7 @@ def test_a_kind_of_scenario_registers_its_evidence_and_checks() -> None:
     assert [check.name for check in found.checks][-1] == "high_enough"
     low = certify(plan, Hop(name="hop", top=top + 1.0, **ends), MODEL, LIMITS)
     assert only_reason(low).startswith("the highest point is only ")
-    moved = Hop(name="hop", top=0.0, **(ends | {"end": ends["start"]}))
+    moved = Hop(name="hop", top=0.0, **(ends | {"end": ends["end"] | {"x": 1.0}}))
     assert "distance from the end on the replay" in " ".join(certify(plan, moved, MODEL, LIMITS).reasons)
 
 
@@ -204,8 +205,8 @@ def test_installed_packages_give_their_checks_short_names(
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: stranger\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[benchbench.checks]\nsmooth = test_checks:acceleration\n")
     monkeypatch.syspath_prepend(tmp_path)
-    plan = crossing_plan()
-    told = Limits(**(LIMITS.model_dump() | {"checks": {"smooth": 0.1}}))
-    assert "acceleration reaches" in only_reason(certify(plan, task(plan), MODEL, told))
+    told = Limits(**(LIMITS.model_dump() | {"checks": {"smooth": -1.0}}))
+    reason = only_reason(certify(hover(4, 5), task(), MODEL, told))
+    assert reason == "acceleration reaches 0 m/s^2 at node 0, allowed -1 m/s^2"
     with pytest.raises(BadInput, match=r"allowed: smooth, package\.module\.function"):
         Limits(**(LIMITS.model_dump() | {"checks": {"smoth": 0.1}}))

@@ -14,7 +14,7 @@ from benchbench import pipeline
 from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
-from benchbench.certificate.race_bound import order_bound, race_bound
+from benchbench.certificate.race_bound import order_bound
 from benchbench.errors import BadInput
 from benchbench.formulation.gates import passed_at
 from benchbench.mpcc.residuals import residuals
@@ -197,31 +197,6 @@ def test_the_best_order_is_that_of_plain_enumeration_and_no_order_beats_its_boun
         for length in range(4):
             assert order_bound(race, case.model, plant, order[:length]) < time
     assert done.record["lower_bound_s"] == order_bound(race, case.model, plant, ())
-
-
-def test_the_bound_is_the_time_of_constant_thrust_straight_up() -> None:
-    """Without turning, and rest to rest with full thrust up, then down: both exact for a point mass."""
-    track = (
-        "scenario.start={x: 0, y: 0, z: 1}",
-        "scenario.end={x: 0, y: 0, z: 21}",
-        "scenario.track=[[0, 0, 11]]",
-    )
-    up, down = 4 * 6.8794 / 0.85 - 9.801, 4 * 6.8794 / 0.85 + 9.801
-    for end, exact in (
-        ("free", np.sqrt(2 * 19.7 / up)),
-        ("rest", np.sqrt(2 * 20 * (1 / up + 1 / down))),
-    ):
-        case = case_of(*track, "scenario.gates=1", f"scenario.end_velocity={end}")
-        assert race_bound(race_of(case), case.model, case.model.plant()) == pytest.approx(exact, rel=1e-9)
-
-
-def test_the_bound_counts_turning_back() -> None:
-    """There and back along x: from rest to rest, then on; between all thrust along x and what is left of it at one height."""
-    track = ("scenario.start={x: 0, y: 0, z: 1}", "scenario.end={x: -5, y: 0, z: 1}", "scenario.radius=1e-9")
-    case = case_of(*track, "scenario.track=[[10, 0, 1]]", "scenario.gates=1")
-    most = 4 * 6.8794 / 0.85
-    low, high = (2 * np.sqrt(10 / a) + np.sqrt(2 * 15 / a) for a in (most, np.sqrt(most**2 - 9.801**2)))
-    assert low - 1e-6 < race_bound(race_of(case), case.model, case.model.plant()) < high
 
 
 def test_branches_are_split_pruned_and_counted() -> None:

@@ -67,6 +67,9 @@ def test_on_an_arm_the_other_multiplier_is_zero() -> None:
     found = at(corner(linear(-0.5, 1)), 1.0, 0.0)
     assert (found.kind, found.b_stationary) == ("none", "no")
     assert found.kkt_residual == pytest.approx(0.5)
+    assert found.record() == {
+        "kkt_residual": found.kkt_residual, "stationarity": "none", "b_stationary": "no"
+    }  # fmt: skip
 
 
 VANISHING = [  # x_0 >= 0, x_0 x_1 <= 0 at the origin: grad f = gamma (1, 0) - mu (0, 1), mu >= 0 already for W
