@@ -10,8 +10,11 @@ import pytest
 from damage import Damage, jump_at, of_claims, of_inputs, of_shape, of_states, of_time
 
 from benchbench import pipeline
+from benchbench.certificate import sequential
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
+from benchbench.certificate.passing import gate_nodes
+from benchbench.certificate.replay import FAR, TOLERANCE, fly
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.run import config
@@ -54,6 +57,21 @@ def catalogue(plan: Plan, claims: bool) -> Iterator[tuple[str, Damage]]:
 def test_the_good_ones_are_certified(handover: Planned, race: Planned) -> None:
     for case, plan in (handover, race):
         assert judged(case, plan).certified, judged(case, plan).reasons
+
+
+@pytest.mark.parametrize("which", ["handover", "race"])
+def test_a_solved_plan_is_flown_at_once_as_in_turn(which: str, request: pytest.FixtureRequest) -> None:
+    case, plan = request.getfixturevalue(which)
+    gates = gate_nodes(plan, case.scenario, case.limits) if which == "race" else ()
+    missed, flight = fly(plan, case.model.plant(), restart_nodes=gates)
+    in_turn = sequential.flight(plan, case.model.plant(), np.arange(1, 11) / 10, gates, TOLERANCE, FAR)
+    found = np.hstack([flight.configuration, flight.velocity])[1:]
+    np.testing.assert_allclose(found, in_turn.reshape(found.shape), rtol=0, atol=1e-8)
+    ends = sequential.ends(plan, case.model.plant(), TOLERANCE, FAR)
+    planned = np.hstack([plan.configuration, plan.velocity])
+    np.testing.assert_allclose(
+        np.hstack([missed.configuration, missed.velocity]), ends - planned[1:], rtol=0, atol=1e-8
+    )
 
 
 def test_no_damaged_handover_is_certified(handover: Planned) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchbench.certificate.evidence import Evidence, Given
 from benchbench.certificate.limited import Limited
-from benchbench.certificate.replay import defects, replay
+from benchbench.certificate.replay import fly
 from benchbench.ocp.model import output_box
 from benchbench.ocp.scenario import Scenario
 
@@ -15,13 +15,13 @@ def measured(scenario: Scenario, given: Given) -> Evidence:
     """Fly the plan and put what has limits beside them; a kind of scenario adds what it has of its own."""
     plan, model = given.plan, given.model
     plant = model.plant()
-    flight = replay(plan, plant, restart_seconds=given.limits.restart_seconds)
+    missed, flight = fly(plan, plant, restart_seconds=given.limits.restart_seconds)
     room, outputs = scenario.limits(model), output_box(model)
     with np.errstate(invalid="ignore"):
         planned, dense = (plant.output(one.configuration, one.velocity) for one in (plan, flight))
     rate = np.array([unit.endswith("/s") for unit in outputs.units], bool)
     return Evidence(
-        **vars(given), scenario=scenario, plant=plant, missed=defects(plan, plant), flight=flight,
+        **vars(given), scenario=scenario, plant=plant, missed=missed, flight=flight,
         planned={
             "configuration": Limited.of(room, plan.configuration),
             "velocity": Limited.of(model.velocity, plan.velocity),

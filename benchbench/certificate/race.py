@@ -23,7 +23,7 @@ from benchbench.certificate.examination import Examination, examine
 from benchbench.certificate.limited import Limited
 from benchbench.certificate.numbers import flown
 from benchbench.certificate.passing import GateEvidence, as_passed, gate_nodes
-from benchbench.certificate.replay import defects, replay
+from benchbench.certificate.replay import fly
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import input_bounds, output_bounds, output_box, velocity_bounds
 from benchbench.ocp.plan import Plan
@@ -52,13 +52,13 @@ def _evidence(scenario: Race, given: Given) -> GateEvidence:
     plan, model, limits = given.plan, given.model, given.limits
     race, plant, nodes = as_passed(plan, scenario, limits.gate_position), model.plant(), len(plan.time)
     restarts = gate_nodes(plan, race, limits)
-    flight = replay(plan, plant, restart_seconds=limits.restart_seconds, restart_nodes=restarts)
+    missed, flight = fly(plan, plant, restart_seconds=limits.restart_seconds, restart_nodes=restarts)
     metres, room, outputs = race.flown(model, nodes), race.limits(model), output_box(model)
     along = np.interp(np.interp(flight.time, plan.time, np.arange(nodes)), np.arange(nodes), metres)
     with np.errstate(invalid="ignore"):
         planned, dense = (plant.output(one.configuration, one.velocity) for one in (plan, flight))
     return GateEvidence(
-        **vars(given), scenario=race, plant=plant, missed=defects(plan, plant), flight=flight,
+        **vars(given), scenario=race, plant=plant, missed=missed, flight=flight,
         planned={
             "configuration": Limited.of(room, plan.configuration),
             "velocity": Limited.of(model.velocity, plan.velocity, velocity_bounds(model, metres)),

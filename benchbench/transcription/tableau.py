@@ -27,10 +27,10 @@ class Tableau:
 
     def __post_init__(self) -> None:
         """Check c = sum of rows, and that b integrates polynomials up to the order."""
-        if not np.allclose(self.a.sum(axis=1), self.c, atol=1e-12):
+        if not np.allclose(self.a.sum(axis=1), self.c, rtol=0, atol=1e-12):
             raise ValueError("rows of a must sum to c")
         for power in range(self.order):
-            if not np.isclose(self.b @ self.c**power, 1 / (power + 1), atol=1e-12):
+            if not np.isclose(self.b @ self.c**power, 1 / (power + 1), rtol=0, atol=1e-12):
                 raise ValueError(f"b does not integrate t^{power}: the order is below {self.order}")
 
     @property
