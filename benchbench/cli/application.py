@@ -25,7 +25,7 @@ from benchbench.run.overrides import carried, implying
 from benchbench.sweep.combination import Combination
 from benchbench.sweep.pool import run_all
 from benchbench.sweep.single import isolated, limited
-from benchbench.sweep.sweep import sweep
+from benchbench.sweep.sweep import Swept, sweep
 from benchbench.sweep.task import Engine
 
 
@@ -50,11 +50,16 @@ def start(arguments: Sequence[str]) -> int:
 
 
 def _do(arguments: Sequence[str], traced: bool) -> int:
+    finish = None
     if arguments and arguments[0] in commands.names():
         done = commands.run(arguments[0], arguments[1:])
         if isinstance(done, int):
             return done
-        sys.argv[1:] = arguments = done
+        if isinstance(done, commands.Sweep):
+            arguments, finish = done.arguments, done.finish
+        else:
+            arguments = done
+        sys.argv[1:] = arguments
     options, unknown = get_args_parser().parse_known_args([a for a in arguments if a != "--version"])
     if unknown:
         raise BadInput(unknown[0], "there is no such option", "what --help shows")
@@ -80,7 +85,9 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach us, we say them in one message
     call = _Invocation(traced)
     hydra.main(version_base="1.3", config_path=config.folder(), config_name="config")(call)()
-    if len(call.codes) > 1:
+    if finish and call.swept:
+        finish(call.swept)
+    elif len(call.codes) > 1:
         summary.count(call.codes.count(CERTIFIED), len(call.codes))
     return max(call.codes, default=CERTIFIED)
 
@@ -115,6 +122,7 @@ class _Invocation:
 
     traced: bool
     codes: list[int] = field(default_factory=list)
+    swept: list[Swept] = field(default_factory=list)
 
     def __call__(self, cfg: DictConfig) -> None:
         """Run the one configuration there is."""
@@ -129,6 +137,8 @@ class _Invocation:
         self, combinations: Sequence[Combination], search_path: ConfigSearchPath, engine: Engine = run_all
     ) -> list[int]:
         """Run all combinations, each in a process of its own; called by our Hydra launchers."""
-        codes = sweep(combinations, search_path, self.traced, engine)
+        swept = sweep(combinations, search_path, self.traced, engine)
+        codes = [one.code for one in swept]
+        self.swept += swept
         self.codes += codes
         return codes

@@ -30,7 +30,7 @@ def implied(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
 
 def _of_the_track(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
     """What a track file says beside its gates: it wins over what is shipped, and what is typed wins over it."""
-    asked = _keys(overrides)
+    asked = keys(overrides)
     if TRACK not in asked:
         return []
     return [
@@ -45,7 +45,7 @@ def _of_the_method(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
         return [f"strategy={RELAXING}"]
     if not _by_hand(overrides) or not isinstance(cfg.get("strategy"), DictConfig):
         return []
-    asked = _keys(overrides)
+    asked = keys(overrides)
     measuring = list(_measured(cfg.strategy, "strategy"))
     for key in asked.intersection(measuring):
         raise BadInput(
@@ -58,7 +58,7 @@ def _of_the_method(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
 
 def implying(overrides: Sequence[str]) -> bool:
     """Whether these overrides may imply others."""
-    return _relaxing(overrides) or _by_hand(overrides) or TRACK in _keys(overrides)
+    return _relaxing(overrides) or _by_hand(overrides) or TRACK in keys(overrides)
 
 
 def quoted(text: str) -> str:
@@ -68,15 +68,16 @@ def quoted(text: str) -> str:
 
 def _relaxing(overrides: Sequence[str]) -> bool:
     """Whether a relaxation is asked for, but no strategy."""
-    asked = {key.partition(".")[0] for key in _keys(overrides)}
+    asked = {key.partition(".")[0] for key in keys(overrides)}
     return "relaxation" in asked and "strategy" not in asked
 
 
 def _by_hand(overrides: Sequence[str]) -> bool:
-    return any(key.startswith(MARGINS) for key in _keys(overrides))
+    return any(key.startswith(MARGINS) for key in keys(overrides))
 
 
-def _keys(overrides: Sequence[str]) -> set[str]:
+def keys(overrides: Sequence[str]) -> set[str]:
+    """Return the fields and choices that overrides are about. Raises what Hydra does for what is no override."""
     return {o.key_or_group for o in OverridesParser.create().parse_overrides(list(overrides))}
 
 

@@ -23,6 +23,7 @@ USAGE = """BenchBench plans a flight, certifies the plan, stores it and shows it
 
   benchbench +scenario=NAME [CHOICE=NAME ...] [FIELD=VALUE ...]      one run
   benchbench -m +scenario=A,B FIELD=V1,V2 ...               all combinations
+  benchbench suite [NAME ...]             all tasks of a suite, and a summary
   benchbench plugins [FAMILY=NAME]        what there is, and whether it works
   benchbench table [DIR ...]              all runs as a table: text, CSV, ...
   benchbench report DIR ...               all runs as one HTML page

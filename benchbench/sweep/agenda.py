@@ -40,6 +40,8 @@ class Agenda:
         self._elsewhere: list[tuple[Combination, Place, Settings]] = []
         self._mine: set[str] = set()
         self._claims, self._earlier = cache(Claims), cache(Earlier)
+        self.places: dict[int, Place] = {}
+        """Where the combinations that could be composed stand, by number."""
 
     def tasks(self) -> Tasks:
         """Give what is to be run, None while all that is left is at work in other sweeps.
@@ -67,7 +69,7 @@ class Agenda:
         place, job = None, None
         try:
             job = combination.job()
-            place = job.place()
+            self.places[combination.number] = place = job.place()
             return job, place, job.settings()
         except EXPECTED as error:
             if job is None and combination is self._combinations[0]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import final
 
 from hydra.core.config_search_path import ConfigSearchPath
 from rich.console import Console
 
 from benchbench.errors import BadInput
-from benchbench.run.execution import Ended, failure
+from benchbench.run.execution import Ended, Place, failure
 from benchbench.sweep.agenda import Agenda
 from benchbench.sweep.combination import Combination
 from benchbench.sweep.display import Display
@@ -17,13 +18,22 @@ from benchbench.sweep.pool import run_all
 from benchbench.sweep.task import Engine, Task
 
 
+@dataclass(frozen=True)
+class Swept:
+    """A combination that ran, now or earlier: its overrides, its exit code, and where it stands if it could be composed."""
+
+    overrides: tuple[str, ...]
+    code: int
+    place: Place | None
+
+
 def sweep(
     combinations: Sequence[Combination],
     search_path: ConfigSearchPath,
     traced: bool = False,
     engine: Engine = run_all,
-) -> list[int]:
-    """Run all combinations and return their exit codes, in order; a skipped one has that of its earlier run.
+) -> list[Swept]:
+    """Run all combinations and return how they ended, in order; a skipped one ended as its earlier run did.
 
     search_path: Hydra's, for the workers; traced: show where errors came from; engine: who carries them out.
     """
@@ -39,7 +49,10 @@ def sweep(
     if account.earlier:
         note = f"{account.earlier} of {len(combinations)} runs are in the table and are skipped"
         Console(highlight=False).print(f"{note}; rerun=all runs them again", soft_wrap=True)
-    return [account.codes[number] for number in by_number]
+    return [
+        Swept(tuple(one.overrides), account.codes[number], agenda.places.get(number))
+        for number, one in by_number.items()
+    ]
 
 
 def _end(task: Task, told: Ended | BaseException) -> Ended:
