@@ -13,6 +13,7 @@ from benchbench.nlp.ledger import Ledger, Watch
 from benchbench.planning import columns
 from benchbench.planning.case import AnyCase, Case
 from benchbench.planning.result import Result
+from benchbench.planning.strategy import judge
 from benchbench.planning.validate import validate
 from benchbench.storage import provenance
 from benchbench.storage.best_known import BestKnown, packaged
@@ -51,11 +52,14 @@ def run(
     timed = [_again(case, watch) for _ in range(repeats)] if repeats > 1 else [ledger]
     if watch:
         watch.stage("certificate", None)
-    judged = time.process_time()
-    certificate = case.judge(result)
-    told = {**case.told(result), **columns.first_order(case, result)}
-    judging = ledger.judging_cpu + time.process_time() - judged
-    costs = {"certificate_cpu_s": judging, "wall_s": time.perf_counter() - began, **columns.spread(timed)}
+    certificate = judge(result, case, ledger)
+    with ledger.judging():
+        told = {**case.told(result), **columns.first_order(case, result)}
+    costs = {
+        "certificate_cpu_s": ledger.judging_cpu,
+        "wall_s": time.perf_counter() - began,
+        **columns.spread(timed),
+    }
     ready = {**before, **costs, **told, **(labels or {})}
     record = columns.record(case, result, certificate, ledger, ready)
     record |= (known or BestKnown.load(packaged())).compare(record)

@@ -53,7 +53,9 @@ class Ledger:
     build_cpu: float = 0.0
     derivatives_cpu: float = 0.0
     judging_cpu: float = 0.0
-    """Certificates that a strategy looked at on its way."""
+    """Certificates, also those that a strategy looked at on its way."""
+    verdicts: list[object] = field(default_factory=list)
+    """What has been judged, see `benchbench.planning.verdict`."""
     solves: list[Spent] = field(default_factory=list)
     iterations: int = 0
     evaluations: int = 0

@@ -12,9 +12,10 @@ from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
-from benchbench.planning.case import Case, Strategy
+from benchbench.planning.case import AnyCase, Case, Strategy
 from benchbench.planning.disturb import disturbed
 from benchbench.planning.result import Result
+from benchbench.planning.verdict import judged
 
 
 def planned(strategy: Strategy, case: Case, ledger: Ledger) -> Result:
@@ -49,10 +50,10 @@ def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
         return pose(problem, case, ledger, "guess: window", found)
 
 
-def judge(result: Result, case: Case, ledger: Ledger) -> Certificate:
-    """Return the certificate of a result: the same for strategies that look at it as for the record."""
+def judge(result: Result, case: AnyCase, ledger: Ledger) -> Certificate:
+    """Return the certificate of a result: the same for strategies that look at it as for the record, which takes it once."""
     with ledger.judging():
-        return case.judge(result)
+        return judged(result, case, ledger)
 
 
 def retried(
