@@ -141,6 +141,17 @@ def test_the_bound_of_a_contact_against_every_instant(seed: int) -> None:
     assert exact - 6 * STEP <= bound <= exact
 
 
+def test_a_target_that_is_fast_along_one_axis_is_no_nearer_along_another() -> None:
+    """It crosses the way at 20 m/s, where it is 1 m ahead; what it does in a cell counts along its own axis alone."""
+    time = (1.0 - TOUCH) / SPEED[0]
+    aside = -20.0 * (time + 0.02)
+    target = [[1.0, aside, HEIGHT], [0.0, 20.0, 0.0]]
+    task = flight(target).model_copy(update={"end": {"x": 0.5, "y": -0.4, "z": HEIGHT}})
+    bound = sequence_bound(task, task.itinerary.stops, MODEL, MODEL.plant())
+    exact = time + (0.5 - TOUCH) / SPEED[0]
+    assert exact - 5 * STEP <= bound <= exact
+
+
 def test_the_bound_of_two_contacts_along_a_line() -> None:
     """3 m ahead, back to -1 m, on to 5 m; only the touch at either target shortens the ways."""
     stops = {name: {"target": Polynomial(0.0, np.array([ahead(x)]))} for name, x in (("a", 3.0), ("b", -1.0))}

@@ -284,7 +284,10 @@ def test_signs_of_pairs_are_always_asked_for(complementarity: float | None, prod
     limits = ProblemLimits(residual=1e-6, complementarity=complementarity, product=product)
     negative = replace(SOLVED, pairs={"pair": PairResidual(1e-3, 1e-3, 0.0)})
     expected = "violation of the signs of the complementarity pairs reaches 0.001, allowed 1e-06"
-    assert only_reason(certify_problem(negative, limits)) == expected
+    judged = certify_problem(negative, limits)
+    assert only_reason(judged) == expected
+    assert (judged.measures.max_complementarity, judged.measures.max_violation) == (1e-3, 1e-9)
+    assert judged.measures.max_product == 0.0 and judged.flight is None
     assert certify_problem(SOLVED, limits).certified
 
 

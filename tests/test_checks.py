@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, final
@@ -24,6 +25,7 @@ from benchbench.certificate.evidence import Given
 from benchbench.certificate.examination import Examination, examine
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.measured import measured
+from benchbench.certificate.named import named
 from benchbench.certificate.numbers import flown
 from benchbench.errors import BadInput
 from benchbench.ocp.model import Model
@@ -107,16 +109,28 @@ def test_what_is_not_a_number_passes_no_check() -> None:
     ("name", "limit", "said"),
     [
         ("nothing", 1.0, "checks.nothing: there is no such check; allowed: package.module.function"),
+        ("pytest", 1.0, "there is no such check"),  # a name of another group
         ("no_module.f", 1.0, "cannot be loaded: ModuleNotFoundError"),
         ("test_checks.nothing", 1.0, "there is no such check"),
         ("test_checks.YAML", 1.0, "is no function"),
-        ("test_checks.acceleration", True, "needs a limit; allowed: a number"),
-        ("test_checks.present", 1.0, "takes no limit; allowed: true"),
+        (
+            "test_checks.acceleration",
+            True,
+            r"checks\.test_checks\.acceleration: needs a limit; allowed: a number",
+        ),
+        ("test_checks.present", 1.0, r"checks\.test_checks\.present: takes no limit; allowed: true"),
     ],
 )
 def test_a_check_that_cannot_be_asked_is_bad_input(name: str, limit: object, said: str) -> None:
     with pytest.raises(BadInput, match=said):
         Limits(**(LIMITS.model_dump() | {"checks": {name: limit}}))
+
+
+def test_a_function_of_a_module_in_a_package_is_found() -> None:
+    assert named("os.path.samefile") is os.path.samefile
+    assert Limits(**(LIMITS.model_dump() | {"checks": {"os.path.samefile": 1.0}})).checks == {
+        "os.path.samefile": 1.0
+    }
 
 
 def test_a_stored_configuration_names_no_function_by_its_path() -> None:

@@ -23,6 +23,7 @@ from benchbench.certificate.limits import Limits
 from benchbench.mpcc.residuals import Residuals
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
+from benchbench_plugins.contacts.floor import Floor
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position
 from benchbench_plugins.contacts.velocity import Velocity
@@ -247,6 +248,39 @@ def test_rewards_are_added_up() -> None:
     for a, b, reward in (((1, 2), (4, 5), 0.75), ((1, 2), (), 0.5), ((), (4, 5), 0.25), ((), (), 0.0)):
         found = judged(visiting(a, b), **both)
         assert found.certified and found.measures.reward_s == reward
+
+
+def test_a_plan_without_numbers_is_asked_nothing_else_of_its_flight() -> None:
+    plan = hover(4, 5)
+    broken = plan.velocity.copy()
+    broken[3, 1] = np.inf
+    found = judged(replace(plan, velocity=broken), residuals=SOLVED)
+    assert [check.name for check in found.broken] == ["finite_velocity"]
+    assert [check.name for check in found.checks] == list(CHECKS)[:10]
+    assert found.flight is None
+    record = found.record()
+    assert (record["max_violation"], record["max_product"]) == (1e-9, 1e-9)
+    assert record["replay_end_error_m"] is None and record["max_rate_ratio"] is None
+
+
+def test_after_a_breakdown_the_flight_is_asked_for_nothing() -> None:
+    """In the last interval the motors push with 10 km/s^2: the contact at 1.6 s and 2 s was flown, the end was not."""
+    plan = hover(4, 5)
+    pushed = plan.inputs.copy()
+    pushed[-1, :4] *= 1000
+    contacts = {"floor": Floor(), **NEAR}
+    found = judged(replace(plan, inputs=pushed), contacts=contacts, residuals=SOLVED)
+    names = [check.name for check in found.checks]
+    assert names[-1] == "replay_complete" and not {"replay_end", "replay_rate", "contact_position"} & set(
+        names
+    )
+    (said,) = (check for check in found.broken if check.name == "replay_complete")
+    assert 3.6 < said.value <= 4.0 and f"at t={said.value:.3f} s" in said.reason
+    assert found.flight is not None and found.flight.broken_at == said.value
+    record = found.record()
+    assert record["contact_gaps"] == {"floor": None, "position": pytest.approx(0.0032)}
+    assert record["contact_gaps_said"] == ("3.2 mm apart",)
+    assert record["replay_end_error_m"] is None and record["replay_defect_position_m"] is None
 
 
 # --- claims for plans that make none --------------------------------------------------------------------------

@@ -101,6 +101,16 @@ def test_too_little_thrust_to_climb_bounds_nothing_less_than_a_fall() -> None:
     """It cannot rise at all: a bound so large that no plan is below it."""
     weak = vehicle(motor_force=(0.0, 0.85 * 9.801 / 4 - 0.1))
     assert bound(race((0, 0, 5), (0, 0, 3)), weak) > 1e5
+    assert bound(race((0, 0, 5), (0, 0, 3), end_velocity="rest"), weak) > 1e5
+    assert bound(race((0, 0, 5), (0, 0, -3)), weak) > 1e5
+
+
+def test_motors_that_hardly_push() -> None:
+    """A quarter of a metre per second squared."""
+    weak = vehicle(gravity=1e-12, motor_force=(0.0, 0.85 * 0.25 / 4))
+    for out, back in ((10, -5), (-10, 5)):
+        found = bound(race((back, 0, 1), (out, 0, 1)), weak)
+        assert found == pytest.approx(2 * np.sqrt(10 / 0.25) + np.sqrt(2 * 15 / 0.25), rel=1e-6)
 
 
 def test_a_way_around_a_corner_counts_by_its_length() -> None:

@@ -18,7 +18,8 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.check import Check
 from benchbench.certificate.limits import Limits
-from benchbench.ocp.plan import Plan
+from benchbench.certificate.passing import as_passed, gate_nodes
+from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.ocp.race import Race
 from benchbench_plugins.models.quadrotor import Quadrotor, Ramp
 
@@ -147,10 +148,10 @@ GATES: tuple[tuple[dict[str, Any], str, float, tuple[str, ...]], ...] = (
     ({"track": [{"x": 0, "y": 0, "z": 5, "width": 1, "height": 1, "normal": [0, 0, -1]}]}, "gate", np.inf,
      ("gate 1 ", "not crossed in its direction")),
     ({"track": [{"x": 0, "y": 0, "z": 5, "speed": [6, 8]}]}, "gate_speed", 6 - 4.12,
-     ("speed at gate 1 ", " 1.88 m/s ", "allowed 0.05 m/s")),
+     ("the speed at gate 1 is off its limits and reaches 1.88 m/s on the replay at t=", " s, allowed 0.05 m/s")),
     ({"track": [{"x": 0, "y": 0, "z": 5, "heading": -0.2}]}, "gate_heading", 0.025 * 1.94**2 + 0.2 - 0.1,
-     ("heading at gate 1 ", " 0.19409 rad ", "allowed 0.01 rad")),
-    ({"end_velocity": [0.0, 0.0, 7.5]}, "replay_end_velocity", 0.5, (" 0.5 m/s", "allowed 0.05 m/s")),
+     ("the heading at gate 1 is off its limits and reaches 0.19409 rad on the replay at t=", " s, allowed 0.01 rad")),
+    ({"end_velocity": [0.0, 0.0, 7.5]}, "replay_end_velocity", 0.5, ("velocity at the end on the replay is off and reaches 0.5 m/s, allowed 0.05 m/s",)),
     ({"end_velocity": [0.3, 0.4, 8.0]}, "replay_end_velocity", 0.5, (" 0.5 m/s",)),
     ({"end_velocity": "rest"}, "replay_end_velocity", 8.0, (" 8 m/s",)),
 )  # fmt: skip
@@ -207,7 +208,10 @@ def test_a_segment_is_flown_from_the_gate_before() -> None:
         [lost * 2.0, 0.0], abs=1e-6
     )
     (said,) = (check.reason for check in found.broken if check.name == "segment")
-    assert "0.23602 m at node 10 (t=2.000 s), allowed 0.01 m" in said
+    assert (
+        said
+        == "error of the replay since the gate before reaches 0.23602 m at node 10 (t=2.000 s), allowed 0.01 m"
+    )
     assert found.measures.replay_drift_position_m == pytest.approx(lost * 2.0, abs=1e-6)
     assert found.measures.replay_defect_position_m == pytest.approx(lost * 0.2**2 / 2, abs=1e-6)
     last = plan.inputs.copy()
@@ -229,6 +233,8 @@ def test_ends_at_rest_have_no_radius() -> None:
             pytest.approx(limit),
             velocity == "free",
         )
+        said = "distance from the end on the replay reaches 0.2 m, allowed 0.02 m"
+        assert end.reason == ("" if velocity == "free" else said)
     own = only(judged(end={"z": 17.2}, end_radius=0.1), "replay_end")
     assert (own.limit, own.ok) == (pytest.approx(0.11), False)
 
@@ -279,6 +285,58 @@ def test_limits_grow_along_the_ramp() -> None:
     assert {c.name: c.value for c in slow.broken} == pytest.approx(expected, abs=1e-6)
     assert "'wz' exceeds its limits by 0.0025 rad/s at node 10" in slow.reasons[0]
     assert "t=2.000 s" in slow.reasons[1]
+
+
+@pytest.mark.parametrize(
+    ("how", "rows", "row"), [("hold", N, 7), ("linear", N + 1, 7), ("bezier", 2 * N, 15)]
+)
+def test_inputs_are_limited_where_their_interval_begins(how: Interpolation, rows: int, row: int) -> None:
+    """Node 7 is 2.8 m along a ramp of 16 m; two control points belong to an interval."""
+    inputs = np.zeros((rows, 4))
+    inputs[row, 2] = 6.0
+    ramp = Ramp(metres=16.0, motor_force=2.0, body_rate=(15.0, 15.0, 0.3))
+    plan = replace(climb(), inputs=inputs, interpolation=how)
+    found = only(judged(plan, vehicle(ramp=ramp)), "planned_input")
+    assert found.value == pytest.approx(6.0 - 2.0 - (6.8794 - 2.0) * 2.8 / 16)
+    assert f"'motor_3' exceeds its limits by 3.1461 N in row {row}, " in found.reason
+
+
+def along(x: float, y: float = 0.0) -> list[float]:
+    return [x, y, 0.0]
+
+
+def line() -> Plan:
+    """From x = 0 to x = 10 in 10 s and intervals."""
+    model, time = vehicle(), np.arange(11.0)
+    q = np.zeros((11, 7))
+    q[:, 0], q[:, 3] = time, 1.0
+    c, w, i = model.configuration, model.velocity, model.inputs
+    return Plan(
+        time, q, np.zeros((11, 6)), np.zeros((10, 4)), 0 * time, "hold", c.names, c.units, i.names, i.units, w.names, w.units
+    )  # fmt: skip
+
+
+def straight(*gates: list[float], **changes: Any) -> Race:
+    return Race(**({"name": "line", "start": {"z": 0.0}, "end": {"x": 8.0}, "track": list(gates)} | changes))
+
+
+def test_where_the_replay_of_a_line_starts_again() -> None:
+    """At the nodes nearest to gates that are passed; not at the first, the last, or for the end."""
+    near = straight(along(3.4), along(3.6), along(5.6, 0.305))
+    assert gate_nodes(line(), near, LIMITS) == (3, 4, 6)
+    assert gate_nodes(line(), straight(along(0.3), along(0.6)), LIMITS) == (1,)
+    assert gate_nodes(line(), straight(along(9.4), along(9.6)), LIMITS) == (9,)
+    assert gate_nodes(line(), straight(along(2.0), along(5.6, 0.32)), LIMITS) == (2,)
+    assert gate_nodes(line(), straight(along(3.4), along(3.45), end={"x": 5.0}), LIMITS) == (3,)
+
+
+def test_gates_in_any_order_are_judged_in_that_of_the_flight() -> None:
+    gates = (along(7.0), along(3.0), along(5.0, 4.0))
+    fixed = straight(*gates)
+    assert as_passed(line(), fixed, 0.01) is fixed
+    flown = as_passed(line(), straight(*gates, order="free"), 0.01)
+    assert (flown.order, flown.sequence) == ("fixed", (2, 3, 1))
+    assert [gate.position[0] for gate in flown.goals] == [3.0, 5.0, 7.0, 8.0]
 
 
 def test_the_replay_is_the_climb() -> None:

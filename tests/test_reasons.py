@@ -32,7 +32,8 @@ from benchbench.certificate.advice import (
     SOLVE,
 )
 from benchbench.certificate.audit import Audit, ContactEvidence
-from benchbench.certificate.check import Check, Checks
+from benchbench.certificate.certificate import Certificate, Measures
+from benchbench.certificate.check import Check, Checks, at_least, at_most, worst
 from benchbench.certificate.checks.contacts import contact_flown, contact_planned
 from benchbench.certificate.checks.intervals import (
     defect_angle,
@@ -537,3 +538,60 @@ def test_stops_of_a_fixed_order_follow_each_other() -> None:
     after = [(check.value, check.limit, check.ok) for check in stop_order(asked(two((0, 1), (2, 3))))]
     assert after == [(1.5, 0.5, True)]
     assert list(stop_order(asked(two(None, (1, 2))))) == []
+
+
+# --- checks and records as such -----------------------------------------------------------------------------
+
+
+def test_a_limit_from_above() -> None:
+    assert at_most("a", "the way", 2.0, 2.0, "m", advice="x") == Check("a", 2.0, 2.0, "m", True, "", "x")
+    reason = "the way grows to 2.5 m at noon, allowed 2 m"
+    assert at_most("a", "the way", 2.5, 2.0, "m", " at noon", "grows to", advice="x") == Check(
+        "a", 2.5, 2.0, "m", False, reason, "x"
+    )
+    assert at_most("a", "b", 0.1234567, 0.0, "1").reason == "b reaches 0.123457, allowed 0"
+    none = at_most("a", "the way", np.nan, 2.0, "m", " at noon", advice="x")
+    assert (none.reason, none.ok, none.advice) == ("the way is not a number at noon", False, "x")
+    assert (none.name, none.limit, none.unit) == ("a", 2.0, "m") and np.isnan(none.value)
+
+
+def test_a_limit_from_below() -> None:
+    assert at_least("a", "the way", 1.5, 2.0, "m", 0.5, advice="x") == Check(
+        "a", 1.5, 2.0, "m", True, "", "x"
+    )
+    assert at_least("a", "the way", 2.0, 2.0, "m").ok and not at_least("a", "the way", 1.99, 2.0, "m").ok
+    reason = "the way is only 1.25 m, required 2 m"
+    assert at_least("a", "the way", 1.25, 2.0, "m", 0.5, advice="x") == Check(
+        "a", 1.25, 2.0, "m", False, reason, "x"
+    )
+    assert not at_least("a", "b", np.nan, 0.0, "1").ok
+
+
+def test_the_worst_value_and_its_place() -> None:
+    assert worst(np.array([[1.0, 5.0], [7.0, 2.0]])) == (7.0, (1, 0))
+    value, place = worst(np.array([1.0, np.nan, 9.0]))
+    assert np.isnan(value) and place == (1,)
+
+
+def test_what_is_not_finite_is_none_in_the_record() -> None:
+    measures = Measures(
+        max_violation=np.nan, max_product=2.0, contact_gaps={"a": np.inf, "b": 0.5}, gates=3, stops=("a",)
+    )
+    advised = tuple(
+        Check(n, 1.0, 0.0, "1", n == "fine", f"{n} it is", a)
+        for n, a in (("fine", "x"), ("bad", ""), ("worse", "y"))
+    )
+    found = Certificate(advised, measures, None)
+    record = found.record()
+    assert (record["certified"], record["reasons"], record["advice"]) == (
+        False,
+        ("bad it is", "worse it is"),
+        "y",
+    )
+    assert (record["max_violation"], record["max_product"], record["contact_gaps"]) == (
+        None,
+        2.0,
+        {"a": None, "b": 0.5},
+    )
+    assert (record["gates"], record["stops"], record["reward_s"]) == (3, ("a",), None)
+    assert Certificate((), Measures(), None).record()["advice"] == ""

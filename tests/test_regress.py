@@ -176,6 +176,25 @@ def test_solve_time_is_compared_by_its_ranks(factor: float, gates: dict[str, flo
     assert f"p = {1 / 252 if factor == 1.6 and 'solve_factor' not in gates else 1:.2g} " in found.note
 
 
+def test_solve_time_is_relative_to_what_it_was() -> None:
+    """Four seconds or a quarter of one, half as much again and more: the same verdict."""
+    for scale in (4.0, 0.25):
+        was = [scale * ratio for ratio in WAS["ratios"]]
+        for factor, verdict in ((1.6, "WORSE"), (1.2, "same"), (0.6, "better")):
+            found = changes({"ratios": was}, {"ratios": [factor * ratio for ratio in was]})[
+                "solve / reference"
+            ]
+            assert found.verdict == verdict and found.change == pytest.approx(factor - 1.0)
+
+
+def test_a_chance_as_large_as_the_level_proves_nothing() -> None:
+    """One run above three others has probability 1 / 4 by chance."""
+    for now, surer in ((10.0, "WORSE"), (0.1, "better")):
+        for confidence, verdict in ((0.75, "same"), (0.74, surer)):
+            found = changes({"ratios": [1.0, 1.01, 1.02]}, {"ratios": [now]}, confidence=confidence)
+            assert found["solve / reference"].verdict == verdict
+
+
 @pytest.mark.parametrize(
     ("text", "named"),
     [
