@@ -77,6 +77,16 @@ def test_heading_angle(model: Model, degrees: float, speed: float) -> None:
     assert gap == pytest.approx(error, abs=1e-12)
 
 
+@pytest.mark.parametrize(("limit", "speed"), [(0.01, 0.01), (0.01, 0.032), (0.1, 0.001), (0.1, 0.12)])
+def test_the_planned_limit_of_a_slow_target_is_the_certified_one(
+    model: Model, limit: float, speed: float
+) -> None:
+    """Off by a tenth of the 1e-6 rad that the certificate grants at a node, at most."""
+    for angle, holds in ((limit - 1e-7, True), (limit + 1e-7, False)):
+        velocity = speed * np.array([math.cos(angle), math.sin(angle), 0.0])
+        assert (h_of(Heading(limit), model, REST, 0 * REST, TIP, velocity) < 0) is holds
+
+
 def test_heading_of_a_target_that_stands_holds_by_definition(model: Model) -> None:
     q = REST.copy()
     q[5] = 2.0

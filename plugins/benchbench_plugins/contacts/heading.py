@@ -47,7 +47,10 @@ class Heading(Contact):
             cross = way[0] * nose[1] - way[1] * nose[0]
             return Condition(cross**2 / self.limit**2 - 1, "m/s", (self.limit,))
         squared = ca.sumsqr(way) * ca.sumsqr(nose) + SLOW**2
-        cosine = ca.dot(way, nose) / ca.sqrt(squared) + SLOW**2 / squared  # 1 when the target stands still
+        still = SLOW**2 / squared  # 1 when the target stands still, and then the cosine is, too
+        cosine = (
+            ca.dot(way, nose) / ca.sqrt(squared) * (1 + still / 2) + still**2
+        )  # else right but for still^2
         return Condition((1 - cosine) / (1 - np.cos(self.limit)) - 1, self.unit, (self.limit,))
 
     def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
