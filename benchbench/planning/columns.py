@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from benchbench.certificate.certificate import Certificate
-from benchbench.certificate.stationarity import stationarity
 from benchbench.mpcc.problem import evaluate
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.solver import Claim
@@ -48,6 +47,8 @@ def first_order(case: AnyCase, result: Result) -> dict[str, Any]:
     asked, seconds = case.limits.stationarity, case.limits.stationarity_seconds
     if result.posed is None or asked == "off" or (asked == "auto" and result.planned is not None):
         return {}
+    from benchbench.certificate.stationarity import stationarity  # scipy takes half a second to import
+
     return dict(stationarity(result.mpcc, result.solved.x, seconds).record())
 
 

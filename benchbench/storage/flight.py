@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
@@ -145,6 +144,8 @@ def euler_rates(angles: Array, omega: Array) -> Array:
 
 def _angles(flight: Flight) -> Array:
     """Roll, pitch, yaw (n, 3) without jumps of a turn."""
+    from scipy.spatial.transform import Rotation  # a quarter of a second, which a recording need not take
+
     w, x, y, z = flight.quaternion.T
     if (steep := np.abs(2 * (w * y - x * z)) > STEEP).any():
         when = f"the attitude at t={flight.time[int(np.argmax(steep))]:.6g} s has a pitch of 90 degrees"

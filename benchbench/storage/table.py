@@ -11,16 +11,18 @@ import logging
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
+from pyarrow.json import ParseOptions, ReadOptions, read_json
 
 from benchbench.storage.files import RECORD, write_bytes
-from benchbench.storage.formats import WRITERS, format_of
 from benchbench.storage.schema import COLUMNS, Record, make_record
 from benchbench.storage.upgrade import GAPS, NOW, upgraded
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 LOG = logging.getLogger(__name__)
 
@@ -32,12 +34,14 @@ _ARROW = {
     "strings": pa.list_(pa.string()),
     "numbers": pa.map_(pa.string(), pa.float64()),
 }
-_PANDAS = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
 _RUN_ID = re.compile(r"[\w][\w.+=-]*")
 
 SCHEMA = pa.schema(
     [pa.field(c.name, _ARROW[c.type], metadata={"unit": c.unit, "meaning": c.meaning}) for c in COLUMNS]
 )
+
+_ITEMS = pa.list_(pa.struct([pa.field("key", pa.string(), nullable=False), pa.field("value", pa.float64())]))
+_JSON = pa.schema([f.with_type(_ITEMS) if pa.types.is_map(f.type) else f for f in SCHEMA])
 
 
 def append(record: Mapping[str, Any], root: Path) -> Path:
@@ -50,7 +54,7 @@ def append(record: Mapping[str, Any], root: Path) -> Path:
     if not isinstance(run_id, str) or not _RUN_ID.fullmatch(run_id):
         raise ValueError(f"run_id {run_id!r} is not a plain file name")
     path = folder(root) / f"{run_id}.parquet"
-    write_bytes(path, _row(pa.Table.from_pylist([dict(record)], SCHEMA)))
+    write_bytes(path, _parquet(_row(record)))
     return path
 
 
@@ -64,7 +68,10 @@ def read(root: Path) -> pd.DataFrame:
 
 def frame(rows: pa.Table) -> pd.DataFrame:
     """Return rows of the table for pandas: nullable integers and booleans, numbers by name as dictionaries."""
-    return rows.to_pandas(types_mapper=_PANDAS.get, maps_as_pydicts="lossy")
+    import pandas as pd  # half a second, which a run that writes its row need not take
+
+    nullable = {pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
+    return rows.to_pandas(types_mapper=nullable.get, maps_as_pydicts="lossy")
 
 
 def added(root: Path, seen: set[str], columns: Sequence[str]) -> Iterator[dict[str, Any]]:
@@ -110,6 +117,8 @@ def rebuild(root: Path) -> tuple[int, dict[Path, str]]:
 
 def export(root: Path, path: Path) -> None:
     """Write the whole table to one .parquet, .csv, .md or .tex file; raises BadInput for another suffix."""
+    from benchbench.storage.formats import WRITERS, format_of  # pandas writes some of them
+
     write_bytes(path, WRITERS[format_of(path)](_load(root)))
 
 
@@ -158,7 +167,37 @@ def load_record(path: Path) -> Record:
     return make_record(**upgraded(values))
 
 
-def _row(table: pa.Table) -> bytes:
+def _row(record: Mapping[str, Any]) -> pa.Table:
+    """A record as a row, by way of JSON: Table.from_pylist imports pandas. Raises ValueError for what the schema does not take."""
+    numbers = {field.name for field in SCHEMA if pa.types.is_map(field.type)}
+    values = {
+        name: [{"key": key, "value": number} for key, number in value.items()]
+        if name in numbers and value is not None
+        else value
+        for name, value in record.items()
+    }
+    text = json.dumps(values, allow_nan=False).encode()
+    table = read_json(
+        pa.BufferReader(text),
+        ReadOptions(use_threads=False, block_size=len(text) + 1),
+        ParseOptions(explicit_schema=_JSON, unexpected_field_behavior="ignore"),
+    )
+    return pa.table([_mapped(table[field.name], field) for field in SCHEMA], schema=SCHEMA)
+
+
+def _mapped(column: pa.ChunkedArray, field: pa.Field) -> pa.ChunkedArray:
+    """A column of JSON as the schema has it: Arrow reads no maps, only lists of their items."""
+    if not pa.types.is_map(field.type):
+        return column
+    if column.null_count:
+        return pa.chunked_array([pa.nulls(len(column), field.type)])
+    items = column.chunk(0)
+    return pa.chunked_array(
+        [pa.MapArray.from_arrays(items.offsets, items.values.field(0), items.values.field(1))]
+    )
+
+
+def _parquet(table: pa.Table) -> bytes:
     """One row as Parquet without what only large files need: 6 kB instead of 22 kB."""
     sink = pa.BufferOutputStream()
     pq.write_table(

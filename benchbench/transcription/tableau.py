@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.special import roots_jacobi, roots_legendre
 
 from benchbench.arrays import Array
 
@@ -62,6 +61,8 @@ HERMITE_SIMPSON = Tableau(
 
 def collocation(degree: int, points: Points) -> Tableau:
     """Collocation at `degree` Gauss-Legendre points (order 2 s) or Radau IIA points (order 2 s - 1)."""
+    from scipy.special import roots_jacobi, roots_legendre  # a quarter of a second, which few runs need
+
     if points == "legendre":
         c, order = (1 + roots_legendre(degree)[0]) / 2, 2 * degree
     else:

@@ -12,7 +12,6 @@ from typing import Any, Literal, final
 import casadi as ca
 import numpy as np
 from pydantic import ValidationError
-from scipy.spatial.transform import Rotation
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput, invalid
@@ -169,6 +168,8 @@ class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel
         self, time: Array, position: Array, velocity: Array, thrust: Array
     ) -> tuple[Array, Array, Array]:
         """Thrust along the body z axis, nose along x, arm in the middle of its range."""
+        from scipy.spatial.transform import Rotation  # a quarter of a second, which only this guess needs
+
         p, n = self.parameters, len(time)
         size = np.linalg.norm(thrust, axis=1)
         up = (thrust / np.maximum(size, 1e-9)[:, None])[np.minimum(np.arange(n), n - 2)]

@@ -6,14 +6,16 @@ a are the attitude's coordinates, w its velocities; R turns body into world coor
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Literal, final
+from typing import TYPE_CHECKING, Literal, final
 
 import casadi as ca
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from benchbench.arrays import Array
 from benchbench_plugins.models.attitude_plant import Angles, AttitudePlant, Quaternions
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 AttitudeKind = Literal["euler", "quaternion"]
 

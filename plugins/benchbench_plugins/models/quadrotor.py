@@ -12,7 +12,6 @@ from typing import final
 import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
-from scipy.spatial.transform import Rotation
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
@@ -146,6 +145,8 @@ class Quadrotor(ExplicitModel, LagrangianModel, ManifoldModel, OutputModel, Ramp
 
         Forces keep a tenth off their limits: there, interior-point methods took up to twice the iterations.
         """
+        from scipy.spatial.transform import Rotation  # a quarter of a second, which only this guess needs
+
         size = np.linalg.norm(thrust, axis=1)
         at_nodes = np.vstack([thrust[:1], (thrust[1:] + thrust[:-1]) / 2])
         way = at_nodes / np.maximum(np.linalg.norm(at_nodes, axis=1), 1e-9)[:, None]

@@ -8,7 +8,6 @@ from typing import final
 import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
-from scipy.interpolate import CubicSpline
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
@@ -48,6 +47,8 @@ class Spline(Motion):
     @property
     def parameters(self) -> Array:
         """Per piece: start time, then a + b s + c s^2 + d s^3 for x, y, z with s = t - start; (pieces, 13)."""
+        from scipy.interpolate import CubicSpline  # a third of a second, which no other motion needs
+
         table = self.points
         spline = CubicSpline(table[:, 0], table[:, 1:], bc_type="natural")
         pieces = np.concatenate(
