@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, final
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from benchbench.errors import BadInput
 from benchbench.storage.files import RECORD
+from benchbench.storage.row_file import read_rows
 from benchbench.storage.schema import Record
-from benchbench.storage.table import SCHEMA, conform, load_record
+from benchbench.storage.table import TABLE, UNUSABLE, load_record, table_of
 
 Key = tuple[Any, Any]
+ROW = ".parquet"
 
 
 @dataclass(frozen=True)
@@ -33,48 +35,81 @@ class Collected:
 def collect(folders: Sequence[Path]) -> Collected:
     """Read every `record.json` and every Parquet table below the folders; a run found twice counts once.
 
-    Rows are ordered by start, then `run_id`. Raises BadInput for a folder that does not exist.
+    Rows are ordered by start, then `run_id`. A file that a sweep replaces or removes meanwhile is read before or after, or is
+    not there. Raises BadInput for a folder that does not exist.
     """
-    for folder in folders:
-        if not folder.is_dir():
-            raise BadInput(str(folder), "there is no such folder", "folders with results, as runs write them")
-    found: dict[Key, tuple[Record, Path | None]] = {}
-    problems: dict[Path, str] = {}
-    for record, place in _records(folders, problems):
-        found.setdefault(_key(record), (record, place))
-    for record in _rows(folders, problems):
-        found.setdefault(_key(record), (record, None))
-    order = sorted(found, key=lambda key: (str(key[1] or ""), str(key[0])))
-    rows = pa.Table.from_pylist([found[key][0] for key in order], SCHEMA)
-    return Collected(rows, tuple(found[key][1] for key in order), problems)
+    for place in folders:
+        if not place.is_dir():
+            raise BadInput(str(place), "there is no such folder", "folders with results, as runs write them")
+    reader = _Reader()
+    rows = table_of(reader.read(folders))
+    order = sorted(range(len(reader.found)), key=lambda i: _order(reader.found[i][0]))
+    return Collected(
+        rows.take(pa.array(order, pa.int64())), tuple(reader.found[i][1] for i in order), reader.problems
+    )
 
 
-def _key(record: Record) -> Key:
-    """What tells runs apart: results of two machines may use the same `run_id`."""
-    return record["run_id"], record["started_at"]
+@final
+class _Reader:
+    """Gives each run once; `found` has its key and folder."""
 
+    def __init__(self) -> None:
+        self.found: list[tuple[Key, Path | None]] = []
+        self.problems: dict[Path, str] = {}
+        self._keys: set[Key] = set()
 
-def _records(folders: Sequence[Path], problems: dict[Path, str]) -> Iterator[tuple[Record, Path]]:
-    for path in _files(folders, RECORD):
+    def read(self, folders: Sequence[Path]) -> Iterator[Record]:
+        """Records, then rows without one: a row of the same table and name is made of the record."""
+        files = _files(folders)
+        recorded: dict[str, list[str]] = {}
+        for real, path in files.items():
+            if not path.endswith(ROW):
+                for record in self._told(path):
+                    recorded.setdefault(f"{record['run_id']}{ROW}", []).append(real)
+                    yield from self._once(record, Path(path).parent)
+        for real, path in files.items():
+            if path.endswith(ROW) and not _is_made_of(real, recorded):
+                for record in self._told(path):
+                    yield from self._once(record, None)
+
+    def _told(self, path: str) -> list[Record]:
         try:
-            yield load_record(path), path.parent
-        except (OSError, ValueError, TypeError) as error:
-            problems[path] = f"{type(error).__name__}: {error}"
+            return read_rows(path) if path.endswith(ROW) else [load_record(path)]
+        except FileNotFoundError:
+            return []
+        except UNUSABLE as error:
+            self.problems[Path(path)] = f"{type(error).__name__}: {error}"
+            return []
+
+    def _once(self, record: Record, place: Path | None) -> Iterator[Record]:
+        key = record["run_id"], record["started_at"]  # results of two machines may use the same `run_id`
+        if key not in self._keys:
+            self._keys.add(key)
+            self.found.append((key, place))
+            yield record
 
 
-def _rows(folders: Sequence[Path], problems: dict[Path, str]) -> Iterator[Record]:
-    for path in _files(folders, "*.parquet"):
-        try:
-            with pq.ParquetFile(path) as file:
-                table = file.read(use_threads=False)
-            if "run_id" not in table.column_names:
-                raise ValueError("a Parquet file that is no table of runs")
-            rows = conform(table).to_pylist()
-        except (OSError, ValueError, pa.ArrowException) as error:
-            problems[path] = f"{type(error).__name__}: {error}"
-        else:
-            yield from rows
+def _is_made_of(row: str, recorded: Mapping[str, Sequence[str]]) -> bool:
+    """Whether a record of a row's name lies in the folder of results whose table the row is in; recorded: by that name."""
+    table, _, name = row.rpartition(os.sep)
+    root, _, last = table.rpartition(os.sep)
+    return last == TABLE and any(record.startswith(root + os.sep) for record in recorded.get(name, ()))
 
 
-def _files(folders: Sequence[Path], pattern: str) -> list[Path]:
-    return sorted({path.resolve(): path for folder in folders for path in folder.rglob(pattern)}.values())
+def _order(key: Key) -> tuple[str, str]:
+    return str(key[1] or ""), str(key[0])
+
+
+def _files(folders: Sequence[Path]) -> dict[str, str]:
+    """Records and Parquet files below the folders, each once, by where they really lie, in that order."""
+    found: dict[str, str] = {}
+    for place in map(str, folders):
+        above = os.path.realpath(place)
+        for here, below, names in os.walk(place):
+            below[:] = [name for name in below if name != ".hydra"]  # half of all folders, and no results
+            for name in names:
+                if name == RECORD or name.endswith(ROW):
+                    path = f"{here}/{name}"
+                    real = os.path.realpath(path) if os.path.islink(path) else above + path[len(place) :]
+                    found.setdefault(real, path)
+    return dict(sorted(found.items()))

@@ -157,34 +157,44 @@ def make_record(**values: Any) -> Record:
     unknown = sorted(values.keys() - _BY_NAME.keys())
     if unknown:
         raise TypeError(f"not a column of the record: {', '.join(unknown)}; see benchbench/storage/schema.py")
-    given = {"schema_version": SCHEMA_VERSION, **values}
-    record = {column.name: _convert(column, given.get(column.name)) for column in COLUMNS}
+    values.setdefault("schema_version", SCHEMA_VERSION)
+    record: Record = dict.fromkeys(_BY_NAME)
+    for name, value in values.items():
+        if value is not None:
+            column = _BY_NAME[name]
+            record[name] = value if _is_plain(column.type, value) else _convert(column, value)
     if record["status"] not in (None, *Status):
         raise ValueError(f"there is no status {record['status']!r}; see benchbench/storage/status.py")
     return record
 
 
+def _is_plain(type_: Type, value: Any) -> bool:
+    """Whether a value may stand as it is; most do, and this is what large tables spend their time on."""
+    if type_ == "float":
+        return type(value) is float and value - value == 0.0  # neither infinite nor NaN
+    return type_ == "str" and type(value) is str and value.isascii() and len(value) <= LONGEST
+
+
 def _convert(column: Column, value: Any) -> Any:
     if isinstance(value, np.generic):
         value = value.item()
-    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+    if isinstance(value, float) and not math.isfinite(value):
         return None
-    if not _fits(column.type, value):
-        raise TypeError(f"record column {column.name} is {column.type}, got {value!r}")
-    match column.type:
-        case "float":
-            return float(value)
-        case "str":
-            return _text(value)
-        case "strings":
-            return [_text(text) for text in value]
-        case "numbers":
-            return {_text(name): _number(number) for name, number in value.items()}
-        case "int":
-            low, high = column.plausible
-            return value if low <= value <= high else None
-        case _:
-            return value
+    type_ = column.type
+    if not _fits(type_, value):
+        raise TypeError(f"record column {column.name} is {type_}, got {value!r}")
+    if type_ == "float":
+        return float(value)
+    if type_ == "str":
+        return _text(value)
+    if type_ == "strings":
+        return [_text(text) for text in value]
+    if type_ == "numbers":
+        return {_text(name): _number(number) for name, number in value.items()}
+    if type_ == "int":
+        low, high = column.plausible
+        return value if low <= value <= high else None
+    return value
 
 
 def _text(value: str) -> str:
@@ -197,19 +207,16 @@ def _number(value: Any) -> float | None:
 
 
 def _fits(type_: Type, value: Any) -> bool:
-    match type_:
-        case "bool":
-            return isinstance(value, bool)
-        case "int":
-            return isinstance(value, int) and not isinstance(value, bool)
-        case "float":
-            return isinstance(value, int | float) and not isinstance(value, bool)
-        case "str":
-            return isinstance(value, str)
-        case "strings":
-            return isinstance(value, list | tuple) and all(isinstance(text, str) for text in value)
-        case "numbers":
-            return isinstance(value, Mapping) and all(
-                isinstance(name, str) and (number is None or _fits("float", number))
-                for name, number in value.items()
-            )
+    if type_ == "float":
+        return isinstance(value, float) or _fits("int", value)
+    if type_ == "str":
+        return isinstance(value, str)
+    if type_ == "int":
+        return isinstance(value, int) and not isinstance(value, bool)
+    if type_ == "bool":
+        return isinstance(value, bool)
+    if type_ == "strings":
+        return isinstance(value, list | tuple) and all(isinstance(text, str) for text in value)
+    return isinstance(value, Mapping) and all(
+        isinstance(name, str) and (number is None or _fits("float", number)) for name, number in value.items()
+    )

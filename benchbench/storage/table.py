@@ -8,40 +8,32 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
-from pyarrow.json import ParseOptions, ReadOptions, read_json
 
 from benchbench.storage.files import RECORD, write_bytes
-from benchbench.storage.schema import COLUMNS, Record, make_record
-from benchbench.storage.upgrade import GAPS, NOW, upgraded
+from benchbench.storage.row_file import SCHEMA, read_rows, row_bytes
+from benchbench.storage.schema import Record, make_record
+from benchbench.storage.upgrade import upgraded
 
 if TYPE_CHECKING:
     import pandas as pd
 
 LOG = logging.getLogger(__name__)
 
-_ARROW = {
-    "int": pa.int64(),
-    "float": pa.float64(),
-    "str": pa.string(),
-    "bool": pa.bool_(),
-    "strings": pa.list_(pa.string()),
-    "numbers": pa.map_(pa.string(), pa.float64()),
-}
+TABLE = "table"
+"""Name of the folder with the rows."""
+UNUSABLE = (OSError, ValueError, TypeError, pa.ArrowException)
+"""What reading a file that is no row or no record raises."""
+BATCH = 1000
+"""Rows that are turned into columns together: as dictionaries they take ten times the memory."""
 _RUN_ID = re.compile(r"[\w][\w.+=-]*")
-
-SCHEMA = pa.schema(
-    [pa.field(c.name, _ARROW[c.type], metadata={"unit": c.unit, "meaning": c.meaning}) for c in COLUMNS]
-)
-
-_ITEMS = pa.list_(pa.struct([pa.field("key", pa.string(), nullable=False), pa.field("value", pa.float64())]))
-_JSON = pa.schema([f.with_type(_ITEMS) if pa.types.is_map(f.type) else f for f in SCHEMA])
 
 
 def append(record: Mapping[str, Any], root: Path) -> Path:
@@ -54,7 +46,7 @@ def append(record: Mapping[str, Any], root: Path) -> Path:
     if not isinstance(run_id, str) or not _RUN_ID.fullmatch(run_id):
         raise ValueError(f"run_id {run_id!r} is not a plain file name")
     path = folder(root) / f"{run_id}.parquet"
-    write_bytes(path, _parquet(_row(record)))
+    write_bytes(path, row_bytes(record))
     return path
 
 
@@ -79,16 +71,18 @@ def added(root: Path, seen: set[str], columns: Sequence[str]) -> Iterator[dict[s
 
     A file that is no row, or not yet, is passed over.
     """
-    for path in sorted(path for path in folder(root).glob("*.parquet") if path.name not in seen):
-        seen.add(path.name)
-        try:
-            with pq.ParquetFile(path) as file:
-                row = file.read(columns=list(columns), use_threads=False)
-        except (OSError, pa.ArrowException) as error:
-            LOG.warning("left out %s, which is not a row of the table: %s", path, error)
-            continue
-        for values in row.to_pylist():
-            yield {name: values.get(name) for name in columns}
+    for path in _files(root):
+        if path.name not in seen:
+            seen.add(path.name)
+            yield from _rows(path, columns)
+
+
+def table_of(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
+    """Return rows, asked for one after the other, as columns."""
+    parts, left = [SCHEMA.empty_table()], iter(rows)
+    while some := list(islice(left, BATCH)):
+        parts.append(pa.Table.from_pylist(some, SCHEMA))
+    return pa.concat_tables(parts)
 
 
 def rebuild(root: Path) -> tuple[int, dict[Path, str]]:
@@ -124,42 +118,14 @@ def export(root: Path, path: Path) -> None:
 
 def folder(root: Path) -> Path:
     """Folder of the table below the folder of results."""
-    return root / "table"
+    return root / TABLE
 
 
-def _load(root: Path) -> pa.Table:
-    rows = [SCHEMA.empty_table()]
-    for path in sorted(folder(root).glob("*.parquet")):
-        try:
-            with pq.ParquetFile(path) as file:
-                row = file.read(use_threads=False)
-            rows.append(row if row.schema.equals(SCHEMA) else conform(row))
-        except (OSError, pa.ArrowException) as error:
-            LOG.warning("left out %s, which is not a row of the table: %s", path, error)
-    return pa.concat_tables(rows).cast(SCHEMA)
-
-
-def conform(table: pa.Table) -> pa.Table:
-    """Give rows of any schema version today's columns; what they do not have is empty."""
-    gone = [name for name in GAPS if name in table.column_names]
-    if gone:
-        now = [upgraded(row) for row in table.select(gone).to_pylist()]
-        for name in NOW:
-            values = pa.array([row.get(name) for row in now], SCHEMA.field(name).type)
-            table = table.append_column(name, values)
-    columns = [
-        table[field.name].cast(field.type)
-        if field.name in table.column_names
-        else pa.nulls(table.num_rows, field.type)
-        for field in SCHEMA
-    ]
-    return pa.table(columns, schema=SCHEMA)
-
-
-def load_record(path: Path) -> Record:
+def load_record(path: str | Path) -> Record:
     """Read a `record.json` of any schema version; raises OSError, ValueError or TypeError for anything else."""
     try:
-        values = json.loads(path.read_bytes())
+        with open(path, "rb") as file:
+            values = json.loads(file.read())
     except RecursionError:
         raise ValueError("nested too deeply for a record") from None
     if not isinstance(values, dict):
@@ -167,40 +133,25 @@ def load_record(path: Path) -> Record:
     return make_record(**upgraded(values))
 
 
-def _row(record: Mapping[str, Any]) -> pa.Table:
-    """A record as a row, by way of JSON: Table.from_pylist imports pandas. Raises ValueError for what the schema does not take."""
-    numbers = {field.name for field in SCHEMA if pa.types.is_map(field.type)}
-    values = {
-        name: [{"key": key, "value": number} for key, number in value.items()]
-        if name in numbers and value is not None
-        else value
-        for name, value in record.items()
-    }
-    text = json.dumps(values, allow_nan=False).encode()
-    table = read_json(
-        pa.BufferReader(text),
-        ReadOptions(use_threads=False, block_size=len(text) + 1),
-        ParseOptions(explicit_schema=_JSON, unexpected_field_behavior="ignore"),
-    )
-    return pa.table([_mapped(table[field.name], field) for field in SCHEMA], schema=SCHEMA)
+def _load(root: Path) -> pa.Table:
+    return table_of(row for path in _files(root) for row in _rows(path))
 
 
-def _mapped(column: pa.ChunkedArray, field: pa.Field) -> pa.ChunkedArray:
-    """A column of JSON as the schema has it: Arrow reads no maps, only lists of their items."""
-    if not pa.types.is_map(field.type):
-        return column
-    if column.null_count:
-        return pa.chunked_array([pa.nulls(len(column), field.type)])
-    items = column.chunk(0)
-    return pa.chunked_array(
-        [pa.MapArray.from_arrays(items.offsets, items.values.field(0), items.values.field(1))]
-    )
+def _files(root: Path) -> list[Path]:
+    """The rows' files, in order."""
+    try:
+        names = sorted(name for name in os.listdir(folder(root)) if name.endswith(".parquet"))
+    except OSError:
+        return []
+    return [folder(root) / name for name in names]
 
 
-def _parquet(table: pa.Table) -> bytes:
-    """One row as Parquet without what only large files need: 6 kB instead of 22 kB."""
-    sink = pa.BufferOutputStream()
-    pq.write_table(
-        table, sink, compression="none", use_dictionary=False, write_statistics=False, store_schema=False
-    )
-    return sink.getvalue().to_pybytes()
+def _rows(path: Path, columns: Sequence[str] | None = None) -> list[Record]:
+    """The rows of a file, none of one that is no row, as is said; a sweep may have replaced or removed it just now."""
+    try:
+        return read_rows(path, columns)
+    except FileNotFoundError:
+        return []
+    except UNUSABLE as error:
+        LOG.warning("left out %s, which is not a row of the table: %s", path, error)
+        return []

@@ -17,6 +17,8 @@ NOW = ("contact_gaps", "contact_gaps_said")
 
 def upgraded(values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values of a record of any version with today's names."""
+    if GAPS.keys().isdisjoint(values):
+        return dict(values)
     found = {name: values[name] for name in GAPS if values.get(name) is not None}
     kept = {name: value for name, value in values.items() if name not in GAPS}
     if not found:
