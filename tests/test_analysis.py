@@ -10,9 +10,10 @@ import pytest
 
 from benchbench.analysis.costs import by_step, by_work, comparable, cost_matrix, solve_time
 from benchbench.analysis.means import shifted_geometric_mean, three_means
-from benchbench.analysis.naming import flatten, name_runs
+from benchbench.analysis.naming import name_runs
 from benchbench.analysis.profiles import data_profile, performance_profile
 from benchbench.analysis.wilson import Rate, wilson
+from benchbench.storage.settings import flatten
 
 INF = np.inf
 

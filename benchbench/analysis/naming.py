@@ -7,6 +7,8 @@ from typing import Any
 
 import pandas as pd
 
+from benchbench.storage.settings import Settings
+
 METHOD = ("dynamics", "relaxation", "solver", "strategy", "guess")
 PROBLEM = ("scenario", "vehicle")
 NUMBERS = {"intervals": "N", "kappa_init": "κ", "seed": "seed"}
@@ -23,18 +25,6 @@ NEITHER = (
     "picture",
 )
 """Fields of the configuration that are no part of a name."""
-
-Settings = Mapping[str, Any]
-"""One configuration, flat: "relaxation.schedule" -> value."""
-
-
-def flatten(tree: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Turn a nested configuration into dotted names; lists stay values."""
-    flat: dict[str, Any] = {}
-    for key, value in tree.items():
-        name = f"{prefix}{key}"
-        flat |= flatten(value, f"{name}.") if isinstance(value, Mapping) and value else {name: value}
-    return flat
 
 
 def name_runs(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> pd.DataFrame:
@@ -81,11 +71,10 @@ def options(
 ) -> list[str]:
     """For each of the runs `among`, its values of the wanted fields that differ among them."""
     known = [settings[i] for i in among]
-    fields = sorted({name for one in known if one is not None for name in one if wanted(name)})
+    fields = sorted(filter(wanted, set().union(*(one for one in known if one is not None))))
     differ = [f for f in fields if len({str(one.get(f)) for one in known if one is not None}) > 1]
-    return [
-        "" if one is None else " ".join(f"{_short(f, differ)}={one.get(f)}" for f in differ) for one in known
-    ]
+    short = [(f, _short(f, differ)) for f in differ]
+    return ["" if one is None else " ".join(f"{name}={one.get(f)}" for f, name in short) for one in known]
 
 
 def _short(field: str, others: Sequence[str]) -> str:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import yaml  # type: ignore[import-untyped]
 
 from benchbench.analysis.costs import solve_time
-from benchbench.analysis.naming import flatten, name_runs
+from benchbench.analysis.naming import name_runs
 from benchbench.errors import BadInput
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.html.page import PlanView, Report
 from benchbench.report.html.plans.limits import limits
 from benchbench.report.html.plans.view import view
+from benchbench.report.html.room import ROWS
 from benchbench.report.panels import panels
 from benchbench.report.views import scene
 from benchbench.run.failure import reason
@@ -25,6 +25,7 @@ from benchbench.storage.configuration import configuration
 from benchbench.storage.files import PLAN
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.schema import Record
+from benchbench.storage.settings import SettingsReader
 from benchbench.storage.table import frame
 
 FACTS = {
@@ -37,27 +38,25 @@ FACTS = {
 """What is said of a plan: column, factor, unit."""
 
 
-def content(folders: Sequence[Path], title: str | None, most: int) -> Report:
-    """Read the runs and at most `most` of their plans; raises BadInput where there is no run."""
+def content(folders: Sequence[Path], title: str | None, most: int, rows: int = ROWS) -> Report:
+    """Read the runs and at most `most` of their plans, to list at most `rows` of the runs; raises BadInput where there is none."""
     found = collect(folders)
     if not found.rows.num_rows:
         problem = f"no run was found{', only files that cannot be used' if found.problems else ''}"
         raise BadInput(", ".join(map(str, folders)), problem, "folders with results, as runs write them")
-    trees = [configuration(folder) for folder in found.folders]
-    settings = [None if tree is None else flatten(tree) for tree in trees]
+    reader = SettingsReader()
+    settings = [reader.read(folder) for folder in found.folders]
     runs = name_runs(frame(found.rows), settings)
     runs = runs.assign(solve_s=solve_time(runs))
-    records = found.rows.to_pylist()
     plans, missing = [], []
     candidates = [i for i in best_first(runs) if _has_plan(found.folders[i])]
     for i in candidates[:most]:
+        (record,) = found.rows.slice(i, 1).to_pylist()
         try:
-            plans.append(
-                plan_view(records[i], f"{runs.problem[i]}: {runs.method[i]}", found.folders[i], trees[i])
-            )
+            plans.append(plan_view(record, f"{runs.problem[i]}: {runs.method[i]}", found.folders[i]))
         except Exception as error:  # noqa: BLE001  # it was written by another version, plugin or program
             told = str(error) if isinstance(error, (OSError, ValueError)) else reason(error)
-            missing.append(f"The plan of {records[i]['run_id']} is not shown: {told}")
+            missing.append(f"The plan of {record['run_id']} is not shown: {told}")
     if len(candidates) > most:
         missing.append(
             f"{most} of {len(candidates)} plans are shown, the best of each problem first; --plans shows more."
@@ -65,7 +64,7 @@ def content(folders: Sequence[Path], title: str | None, most: int) -> Report:
     if not candidates:
         missing.append("No run has a recorded plan.")
     names = ", ".join(folder.resolve().name for folder in folders)
-    return Report(title or f"Report on {names}", runs, settings, plans, missing, found.problems)
+    return Report(title or f"Report on {names}", runs, settings, plans, missing, found.problems, rows)
 
 
 def best_first(runs: pd.DataFrame) -> list[int]:
@@ -77,13 +76,14 @@ def best_first(runs: pd.DataFrame) -> list[int]:
     return order.reset_index(drop=True).sort_values(["rejected", "rank", "time"]).index.tolist()
 
 
-def plan_view(record: Record, title: str, folder: Path | None, tree: dict[str, Any] | None) -> PlanView:
+def plan_view(record: Record, title: str, folder: Path | None) -> PlanView:
     """Make the views of a recorded plan.
 
     Raises ValueError for a recording that cannot be used, BadInput for a scenario or vehicle that cannot be
     built here, for example since a plugin is not installed.
     """
     recording = read_mcap(Path(folder or "", PLAN))
+    tree = configuration(folder)
     if tree is None:
         raise ValueError("its configuration is missing")
     scenario, model = scene_parts(tree)

@@ -10,14 +10,15 @@ from benchbench.errors import BadInput, Unavailable
 from benchbench.run.summary import complain
 from benchbench.storage.files import write_bytes
 
-PLANS = 12
+PLANS, ROWS = 12, 1000
 
 
 def run(arguments: Sequence[str]) -> int:
     """Write the report and say where it is; raises BadInput."""
     asked = _parser().parse_args(arguments)
-    if asked.plans < 0:
-        raise BadInput("--plans", f"{asked.plans} was given", "a number of at least 0")
+    for name in ("plans", "rows"):
+        if getattr(asked, name) < 0:
+            raise BadInput(f"--{name}", f"{getattr(asked, name)} was given", "a number of at least 0")
     try:
         from benchbench.cli.report_content import content
         from benchbench.report.html.page import render
@@ -25,7 +26,7 @@ def run(arguments: Sequence[str]) -> int:
         raise Unavailable(
             f"report: {error.name} is not installed; pip install 'benchbench[report]'"
         ) from None
-    report = content(asked.folders, asked.title, asked.plans)
+    report = content(asked.folders, asked.title, asked.plans, asked.rows)
     for path, problem in report.problems.items():
         complain("left out", f"{path}: {problem}")
     write_bytes(asked.output, render(report).encode())
@@ -46,6 +47,13 @@ def _parser() -> Parser:
         default=PLANS,
         metavar="N",
         help=f"largest number of plans that are shown, best first (default: {PLANS})",
+    )
+    parser.add_argument(
+        "--rows",
+        type=int,
+        default=ROWS,
+        metavar="N",
+        help=f"largest number of runs in the list (default: {ROWS})",
     )
     parser.add_argument("--title", help="default: the names of the folders")
     return parser  # fmt: skip

@@ -17,7 +17,7 @@ from plotly.offline import get_plotlyjs
 
 from benchbench import __version__
 from benchbench.analysis.races import races
-from benchbench.report.html import tables
+from benchbench.report.html import room, tables
 from benchbench.report.html.charts import cost_split, failures, profiles, travel_time, work_precision
 from benchbench.report.html.charts import success as successes
 from benchbench.report.html.charts.chart import Chart, styles
@@ -56,6 +56,7 @@ class Report:
     plans     those shown, best first
     missing   why other plans are not shown, one sentence each
     problems  files that could not be used
+    rows      largest number of runs in the list
     """
 
     title: str
@@ -64,6 +65,7 @@ class Report:
     plans: Sequence[PlanView]
     missing: Sequence[str]
     problems: Mapping[Path, str]
+    rows: int = room.ROWS
 
 
 def render(report: Report) -> str:
@@ -74,20 +76,25 @@ def render(report: Report) -> str:
     )  # fmt: skip
     environment.filters |= {"figure": _figure, "inline": _inline}
     runs = report.runs
-    race_gates, raced = race_rows(races(runs, report.settings))
-    means, means_note = tables.mean_rows(runs, _time_limit(report.settings))
+    some, settings, left_out = room.compared(runs, report.settings)
+    race_gates, raced = race_rows(races(some, settings))
+    rows, unlisted = room.listed(runs, report.rows)
+    means, means_note = tables.mean_rows(some, _time_limit(report.settings))
     return environment.get_template("report.html").render(
         report=report,
         made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         version=__version__,
         headline=_headline(runs),
-        sections=_sections(runs),
-        success_rows=tables.success_rows(runs),
+        left_out=left_out,
+        unlisted=unlisted,
+        most_files=room.FILES,
+        sections=_sections(some),
+        success_rows=tables.success_rows(some),
         race_gates=race_gates,
         race_rows=raced,
         means=means,
         means_note=means_note,
-        table=tables.run_table(runs),
+        table=tables.run_table(rows),
         versions=tables.facts(runs, VERSIONS),
         machine=tables.facts(runs, MACHINE),
         differing=tables.differing(report.settings),

@@ -6,6 +6,7 @@ import pandas as pd
 
 from benchbench.report.html.charts.chart import Chart, Styles, figure
 from benchbench.report.html.charts.scatter import add_runs
+from benchbench.report.html.room import drawn
 
 AXES = {"kappa_init": "κ_init (nodes in contact)", "intervals": "N (intervals)"}
 OTHER = {"kappa_init": "intervals", "intervals": "kappa_init"}
@@ -22,6 +23,7 @@ def chart(runs: pd.DataFrame, styles: Styles, over: str) -> Chart:
     known = runs[runs.travel_time_s.notna() & runs[over].notna()]
     if known.empty:
         return Chart(title, text, missing="No run has a plan.")
+    known, said = drawn(known)
     made = figure(AXES[over], "travel time [s]", names=known.method.unique())
     add_runs(
         made, known.assign(series=known.task + known[OTHER[over]].astype(str)), over, "travel_time_s", styles
@@ -31,4 +33,4 @@ def chart(runs: pd.DataFrame, styles: Styles, over: str) -> Chart:
         made.update_xaxes(tickvals=values)
     if len(values) == 1:
         made.update_xaxes(range=[values[0] - 1, values[0] + 1])
-    return Chart(title, text, made)
+    return Chart(title, text + said, made)

@@ -6,6 +6,7 @@ import pandas as pd
 
 from benchbench.report.html.charts.chart import Chart, Styles, figure, logarithmic
 from benchbench.report.html.charts.scatter import add_runs
+from benchbench.report.html.room import drawn
 
 ERROR, WORK = "replay_defect_position_m", "solve_s"
 
@@ -21,8 +22,9 @@ def chart(runs: pd.DataFrame, styles: Styles) -> Chart:
     known = runs[(runs[ERROR] > 0) & (runs[WORK] > 0)]
     if known.empty:
         return Chart(title, text, missing="No run has a plan whose error was measured.")
+    known, said = drawn(known)
     made = figure("replay error of one interval [m]", "CPU time [s]", names=known.method.unique())
     add_runs(made, known.assign(series=known.task + known.kappa_init.astype(str)), ERROR, WORK, styles)
     logarithmic(made, "xaxis", known[ERROR])
     logarithmic(made, "yaxis", known[WORK])
-    return Chart(title, text, made)
+    return Chart(title, text + said, made)
