@@ -9,7 +9,8 @@ from typing import Any
 import pandas as pd
 
 from benchbench.analysis.costs import plan_time
-from benchbench.analysis.naming import Settings, options
+from benchbench.analysis.naming import options
+from benchbench.storage.settings import Settings
 
 GRID = ("scenario.gates", "scenario.nodes_per_gate")
 """Fields that have a column or a cell of their own."""

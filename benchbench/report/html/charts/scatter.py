@@ -13,7 +13,8 @@ def add_runs(made: go.Figure, runs: pd.DataFrame, x: str, y: str, styles: Styles
     narrow = runs[[x, y, "method", "series", "certified", "problem", "status"]]
     seen: set[str] = set()
     traces = []
-    for (method, _), some in narrow.groupby(["method", "series"], sort=False):
+    for (named, _), some in narrow.groupby(["method", "series"], sort=False):
+        method = str(named)
         traces.append(_trace(method, some.sort_values(x), x, y, styles[method], method not in seen))
         seen.add(method)
     made.add_traces(traces)
