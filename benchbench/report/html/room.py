@@ -24,7 +24,7 @@ def compared(runs: pd.DataFrame, settings: Settings) -> tuple[pd.DataFrame, Sett
         return runs, settings, ""
     each = runs.assign(good=runs.certified.fillna(False).astype(bool)).groupby("method", sort=False).good
     best = each.agg(["sum", "size"]).sort_values(["sum", "size"], ascending=False, kind="stable").index
-    kept = np.flatnonzero(runs.method.isin(best[:METHODS]))
+    kept: list[int] = np.flatnonzero(runs.method.isin(best[:METHODS])).tolist()
     said = f"{METHODS} of {count} methods are compared, those with the most certified runs: {len(kept)} of {len(runs)} runs."
     return runs.iloc[kept].reset_index(drop=True), [settings[i] for i in kept], said
 
