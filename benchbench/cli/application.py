@@ -5,17 +5,18 @@ from __future__ import annotations
 import os
 import sys
 import traceback
+from argparse import Namespace
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import hydra
 from hydra._internal.utils import get_args_parser
 from hydra.core.config_search_path import ConfigSearchPath
 from omegaconf import DictConfig
 
 from benchbench import __version__
 from benchbench.cli import commands
+from benchbench.cli.composing import compose_and_run
 from benchbench.errors import BadInput
 from benchbench.run import config, summary
 from benchbench.run.drawing import drawn
@@ -72,24 +73,31 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
         return CERTIFIED
     if not arguments:
         raise BadInput("scenario", "none was chosen", "+scenario=NAME with a NAME from the list above")
-    if options.multirun:
-        new = dict(zip(options.overrides, carried(options.overrides), strict=True))
-        sys.argv[1:] = [new.get(a, a) for a in arguments]
-    elif implying(options.overrides):
-        behind = len(sys.argv) - sys.argv[::-1].index(
-            options.overrides[-1]
-        )  # options may follow the overrides
-        sys.argv[behind:behind] = config.meant(options.overrides, options.config_dir)[
-            len(options.overrides) :
-        ]
+    options.overrides = _complete(options, arguments)
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach us, we say them in one message
     call = _Invocation(traced)
-    hydra.main(version_base="1.3", config_path=config.folder(), config_name="config")(call)()
+    compose_and_run(options, call)
     if finish and call.swept:
         finish(call.swept)
     elif len(call.codes) > 1:
         summary.count(call.codes.count(CERTIFIED), len(call.codes))
     return max(call.codes, default=CERTIFIED)
+
+
+def _complete(options: Namespace, arguments: Sequence[str]) -> list[str]:
+    """Overrides with what they imply; Hydra, where it reads the command line by itself, finds them there too."""
+    given: list[str] = options.overrides
+    if options.multirun:
+        new = carried(given)
+        by_name = dict(zip(given, new, strict=True))
+        sys.argv[1:] = [by_name.get(a, a) for a in arguments]
+        return [*new]
+    if not implying(given):
+        return given
+    meant = config.meant(given, options.config_dir)
+    behind = len(sys.argv) - sys.argv[::-1].index(given[-1])  # options may follow the overrides
+    sys.argv[behind:behind] = meant[len(given) :]
+    return meant
 
 
 def _choices(family: str, more: str | None) -> list[str]:
