@@ -102,7 +102,9 @@ def test_a_jump_of_velocity_is_refused_wherever_it_is(which: str, request: pytes
 
 def test_every_restart_sees_the_jump(handover: Planned) -> None:
     case, plan = handover
-    case = replace(case, limits=case.limits.model_copy(update={"restart_seconds": 0.5}))
+    case = replace(
+        case, limits=case.limits.model_copy(update={"restart_seconds": 0.5, "restart_beyond": 0.0})
+    )
     assert not [reason for reason in judged(case, plan).reasons if "jump" in reason]
     for node in np.unique([int(np.argmin(np.abs(plan.time - t))) for t in (0.5, 1.0, 2.0)]):
         reasons = judged(case, jump_at(plan, int(node))).reasons

@@ -161,11 +161,11 @@ def test_held_unknowns_move_after_success_only() -> None:
 # --- multipliers of one problem for another ------------------------------------------------------------------
 
 
-def rows_of(count: int, width: int, name: str = "row", variable: str = "x") -> Mpcc:
-    """A variable and a block of `count` rows of that width."""
+def rows_of(count: int, width: int, name: str = "row", variable: str = "x", room: float = 0.0) -> Mpcc:
+    """A variable and a block of `count` rows of that width; room: between their bounds, 0: equations."""
     values = np.zeros((count, width))
     function = problem([0.0], lambda x: x[0], lambda x: [x[0]], lambda x: [x[0]]).costs[0].function
-    block = Block(name, function, (), np.zeros((count, 0)), values, values)
+    block = Block(name, function, (), np.zeros((count, 0)), values, values + room)
     return Mpcc((Variable(variable, values, values, values),), (block,))
 
 
@@ -184,7 +184,17 @@ def test_multipliers_come_from_the_same_share_of_the_way(count: int, expected: l
     """The middle of each new row decides; a middle on an edge takes the later row."""
     lam_g, lam_x = along(rows_of(3, 1), rows_of(count, 1))
     np.testing.assert_array_equal(lam_g, expected)
-    np.testing.assert_array_equal(lam_x, -np.array(expected))
+    np.testing.assert_allclose(lam_x, -np.array(expected) * 3 / count)
+
+
+def test_inequalities_share_their_multipliers_among_more_rows_and_equations_do_not() -> None:
+    """The sum along the way stays: a limit that binds for a second costs the same on any grid. An adjoint is a value."""
+    for count in (3, 6, 12):
+        (bound, _), (adjoint, _) = (
+            along(rows_of(3, 2, room=r), rows_of(count, 2, room=r)) for r in (1.0, 0.0)
+        )
+        assert bound.sum() == pytest.approx(1 + 2 + 3 + 4 + 5 + 6)
+        assert adjoint.reshape(count, 2)[-1] == pytest.approx([5, 6])
 
 
 def test_multipliers_need_the_same_name_and_width() -> None:

@@ -211,8 +211,8 @@ def test_refine_stops_at_the_finest_grid_without_a_certificate() -> None:
 
 
 def test_refine_refuses_contacts_that_do_not_fit_into_its_coarsest_grid() -> None:
-    case = config.compose("+scenario=static", "strategy=refine", "scenario.kappa_init=24")
-    with pytest.raises(BadInput, match="24 nodes in contact do not fit into 25 intervals"):
+    case = config.compose("+scenario=static", "strategy=refine", "scenario.kappa_init=95")
+    with pytest.raises(BadInput, match="25 nodes in contact do not fit into 25 intervals"):
         solve(case)
 
 

@@ -52,6 +52,7 @@ class Limits(ProblemLimits):
     gate_heading         its heading may be missed by more than the planner may by, rad
     segment_position     the replay from one gate to the next may miss the planned place of the latter by, m
     restart_seconds      the replay starts again from the planned state after so long, s; null: never
+    restart_beyond       but only of flights that last longer than this, s
     checks               further checks by name, an entry point of the group benchbench.checks or
                          package.module.function, each with its limit; true: it needs none; null: not asked
     """
@@ -73,8 +74,13 @@ class Limits(ProblemLimits):
     gate_position: NonNegative = 0.01
     gate_heading: NonNegative = 0.01
     segment_position: Positive = 0.01
-    restart_seconds: Positive | None = None
+    restart_seconds: Positive | None = 2.0
+    restart_beyond: NonNegative = 4.0
     checks: dict[str, Finite | Literal[True] | None] = Field(default_factory=dict)
+
+    def restarts(self, travel_time: float) -> float | None:
+        """After how many s the replay of a flight of so many s starts again; None: never."""
+        return self.restart_seconds if travel_time > self.restart_beyond else None
 
     @model_validator(mode="after")
     def _checks_exist(self) -> Self:

@@ -15,7 +15,7 @@ def measured(scenario: Scenario, given: Given) -> Evidence:
     """Fly the plan and put what has limits beside them; a kind of scenario adds what it has of its own."""
     plan, model = given.plan, given.model
     plant = model.plant()
-    missed, flight = fly(plan, plant, restart_seconds=given.limits.restart_seconds)
+    missed, flight = fly(plan, plant, restart_seconds=given.limits.restarts(plan.travel_time))
     room, outputs = scenario.limits(model), output_box(model)
     with np.errstate(invalid="ignore"):
         planned, dense = (plant.output(one.configuration, one.velocity) for one in (plan, flight))

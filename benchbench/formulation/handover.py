@@ -98,7 +98,7 @@ def phase_grid(
     contact: dict[str, tuple[int, ...]] = {}
     averaged: list[tuple[int, Stop]] = []
     longest = scenario.travel_time[1]
-    inside = [_contact_intervals(stop, total / travel_time, total) for stop in made]
+    inside = [_contact_intervals(stop, travel_time, total) for stop in made]
     flown = total - sum(inside)
     legs = np.diff(np.rint(flown * np.cumsum([0.0, *_leg_shares(len(made))])).astype(int))
     marks = np.array([0.0, *_contact_times(case, start, made), travel_time])
@@ -110,7 +110,8 @@ def phase_grid(
         if not inside[i]:
             continue
         seconds = stop.contact_seconds
-        guess = (stop.kappa_init - 1) * travel_time / total if seconds is None else seconds
+        steps, counted = stop.steps(total)
+        guess = steps * travel_time / counted if seconds is None else seconds
         low, high = (SHORTEST, longest) if seconds is None else (seconds, seconds)
         if seconds is None:
             averaged.append((len(found), stop))
@@ -120,15 +121,16 @@ def phase_grid(
     return Grid(tuple(found)), contact, averaged
 
 
-def _contact_intervals(stop: Stop, per_second: float, total: int) -> int:
+def _contact_intervals(stop: Stop, travel_time: float, total: int) -> int:
     """Intervals of a contact: between kappa_init nodes, and where it lasts for seconds, no longer than the average.
 
     On a coarse grid more, so that none is longer than `CONTACT_STEP`, up to a quarter of all.
     """
     if stop.contact_seconds is None:
-        steps = stop.kappa_init - 1
-        return max(steps, min(int(np.ceil(steps / per_second / CONTACT_STEP)), total // 4))
-    wanted = min(int(np.ceil(stop.contact_seconds * per_second)), total // 4)
+        steps, grid = stop.steps(total)
+        wanted = int(np.ceil(steps / (grid / travel_time) / CONTACT_STEP))
+        return max(stop.kappa_init - 1, min(wanted, total // 4))
+    wanted = min(int(np.ceil(stop.contact_seconds * (total / travel_time))), total // 4)
     return max(stop.kappa_init - 1, wanted, 1)
 
 
@@ -224,11 +226,12 @@ def _kappas(itinerary: Itinerary) -> dict[str, str]:
 
 
 def _average_steps(grid: Grid, phase: int, stop: Stop) -> Mpcc:
-    """T_contact = (kappa_init - 1) t_N / N."""
+    """T_contact = (kappa_init - 1) t_N / N, with N of the grid whose nodes are counted."""
+    steps, counted = stop.steps(grid.intervals)
     rule = block(
         f"{stop.prefix}contact_duration", [durations(grid, 1)],
         lambda duration, p: duration[phase] - p * ca.sum1(duration),
-        parameters=np.array([[(stop.kappa_init - 1) / grid.intervals]]), unit="s", function="contact_duration",
+        parameters=np.array([[steps / counted]]), unit="s", function="contact_duration",
         symbols="T",
     )  # fmt: skip
     return Mpcc((), (rule,))

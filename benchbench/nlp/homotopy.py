@@ -16,7 +16,7 @@ from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.method import Method
 from benchbench.nlp.relaxation import Smooth, smooth
-from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Progress, Setup
+from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Progress, Setup, Warmth
 from benchbench.nlp.warm_start import carried
 
 GOOD = ("solved", "iteration_limit")
@@ -107,7 +107,7 @@ class _Solves:
 
     def __init__(self, mpcc: Mpcc, case: Method, ledger: Ledger, stage: str, near: Solved | None) -> None:
         self._mpcc, self._case, self._ledger, self._stage = mpcc, case, ledger, stage
-        self._warm = near is not None
+        self._warm: Warmth = "no" if near is None else "near"
         self._granted = np.inf  # nothing is built yet
         with ledger.building():
             self._smoothed = smooth(mpcc, case.relaxation) if mpcc.pairs else Smooth(mpcc)
@@ -118,6 +118,7 @@ class _Solves:
             self._point = Point(relaxed.guess)
             if near is not None and near.relaxed is not None:
                 self._point = carried(relaxed, near.relaxed, near.outcome.point)
+                self._warm = "near" if near.relaxed.size == relaxed.size else "prolongated"
 
     def go_back(self, solved: Solved) -> None:
         """Start the next solve from an earlier one; what is held stays where it is held now."""
@@ -164,7 +165,7 @@ def _travel_time(outcome: Outcome, where: tuple[int, int] | None) -> float | Non
     return float(outcome.point.x[where[0] : where[0] + where[1]].sum())
 
 
-def _prepare(relaxed: Mpcc, case: Method, ledger: Ledger, watch: Progress | None, warm: bool) -> Prepared:
+def _prepare(relaxed: Mpcc, case: Method, ledger: Ledger, watch: Progress | None, warm: Warmth) -> Prepared:
     if relaxed.pairs and not case.solver.native_pairs:
         solver, relaxation = case.names["solver"], case.names["relaxation"]
         problem = f"'{relaxation}' leaves the pairs to the solver, but '{solver}' takes none"

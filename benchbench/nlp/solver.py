@@ -46,13 +46,16 @@ class Outcome:
     times: Mapping[str, float] = field(default_factory=dict)
 
 
+Warmth = Literal["no", "near", "prolongated"]
+
+
 @dataclass(frozen=True)
 class Setup:
     """What a backend is told before it builds; each maps it onto its own option names.
 
     seconds, iterations  limits of each solve
     accuracy             "low", "medium", "high" ask for KKT residuals of about 1e-4, 1e-6, 1e-8
-    warm                 the starts are near a solution and bring multipliers
+    warm                 what the starts bring: no multipliers; those of nearly the same problem; those of another grid
     """
 
     seconds: float = 300.0
@@ -60,7 +63,7 @@ class Setup:
     accuracy: Accuracy = "high"
     compile: Compile = "auto"
     progress: Progress | None = None
-    warm: bool = False
+    warm: Warmth = "no"
 
 
 Prepared = Callable[[float, Point], Outcome]

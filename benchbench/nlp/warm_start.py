@@ -13,7 +13,8 @@ def carried(mpcc: Mpcc, solved: Mpcc, solution: Point) -> Point:
     """Return the guess of `mpcc` with the multipliers that `solution` of the problem `solved` has.
 
     Variables and blocks that agree in name and width take them, row by row; where the other grid is coarser or finer,
-    from the row at the same share of the way. All others are 0.
+    from the row at the same share of the way. There those of inequalities and bounds, which are spent along the way, are
+    divided among more rows; those of equations, adjoints of the state, stay as they are. All others are 0.
     """
     if solution.lam_x is None or solution.lam_g is None:
         return Point(mpcc.guess)
@@ -21,14 +22,18 @@ def carried(mpcc: Mpcc, solved: Mpcc, solution: Point) -> Point:
     cuts = np.split(solution.lam_g, np.cumsum([block.lower.size for block in blocks])[:-1])
     of_rows = {block.name: cut.reshape(block.lower.shape) for block, cut in zip(blocks, cuts, strict=True)}
     of_bounds = solved.split(solution.lam_x)
-    lam_x = [_spread(of_bounds.get(v.name), v.guess.shape) for v in mpcc.variables]
-    lam_g = [_spread(of_rows.get(block.name), block.lower.shape) for block in mpcc.constraints]
+    lam_x = [_spread(of_bounds.get(v.name), v.guess.shape, divided=True) for v in mpcc.variables]
+    lam_g = [
+        _spread(of_rows.get(block.name), block.lower.shape, divided=bool(np.any(block.lower < block.upper)))
+        for block in mpcc.constraints
+    ]
     return Point(mpcc.guess, np.concatenate([np.zeros(0), *lam_g]), np.concatenate([np.zeros(0), *lam_x]))
 
 
-def _spread(values: Array | None, shape: tuple[int, ...]) -> Array:
+def _spread(values: Array | None, shape: tuple[int, ...], divided: bool) -> Array:
     """Rows (R, n) on another number of rows, flat; zeros where there are none or of another width."""
     if values is None or values.shape[1:] != shape[1:] or not len(values):
         return np.zeros(shape).ravel()
-    same_share = ((np.arange(shape[0]) + 0.5) * len(values) / shape[0]).astype(int)
-    return np.asarray(values[same_share]).ravel()
+    share = len(values) / shape[0]
+    same = ((np.arange(shape[0]) + 0.5) * share).astype(int)
+    return np.asarray(values[same] * (share if divided else 1.0)).ravel()

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Self, final
 
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf, model_validator
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
-from benchbench.ocp.contact import Contact
+from benchbench.ocp.contact import Contact, Contacts
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.scenario import Ends, NonNegative, Positive, Scenario, Share, at_rest, point, straight
@@ -44,7 +45,9 @@ class Handover(Scenario):
     order            fixed: stops are made as they are listed; free: in any order
     visit            all: every stop is made; one: exactly one; optional: those with a reward may be left out
     contacts         conditions that must hold together while in contact, by name
-    kappa_init       number of consecutive nodes in contact, at least 1 (paper Eq. 26)
+    kappa_init       number of consecutive nodes in contact, at least 1 (paper Eq. 26), of a grid of `kappa_grid` intervals
+    kappa_grid       the grid whose nodes kappa_init counts: on a finer one a contact has more nodes and lasts as long,
+                     (kappa_init - 1) average steps of this one; null: `intervals`
     contact_seconds  duration of the contact in s; null: (kappa_init - 1) average steps. Planned by the phase
                      formulations, asked for by the certificate; progress variables only count nodes
     contact_guess    where in the flight the contact is first guessed, as a fraction of the travel time;
@@ -61,6 +64,7 @@ class Handover(Scenario):
     visit: Visit = "all"
     contacts: dict[str, InstanceOf[Contact]]
     kappa_init: Annotated[int, Field(ge=1)] = 2
+    kappa_grid: Annotated[int, Field(ge=4)] | None = None
     contact_seconds: NonNegative | None = None
     contact_guess: Annotated[float, Field(gt=0, lt=1)] = 0.42
     intervals: Annotated[int, Field(ge=4)] = 100
@@ -83,21 +87,33 @@ class Handover(Scenario):
         return self.intervals
 
     def on_grid(self, intervals: int) -> Self:
-        """Return the same with so many intervals."""
-        return self.model_copy(update={"intervals": intervals})
+        """Return the same with so many intervals; contacts last as long as before, in shares of the flight."""
+        return self.model_copy(update={"intervals": intervals, "kappa_grid": self._counting})
+
+    @property
+    def _counting(self) -> int:
+        """The grid whose nodes are counted."""
+        return self.kappa_grid or self.intervals
+
+    def _stop(self, name: str, target: Motion, contacts: Contacts, kappa: int, seconds: float | None) -> Stop:
+        """A stop with its nodes on this grid: never fewer than two where two are asked for, never a shorter contact."""
+        steps = max(-(-(kappa - 1) * self.intervals // self._counting), min(kappa - 1, 1))
+        return Stop(name, target, contacts, steps + 1, seconds, counted=(kappa - 1, self._counting))
 
     @property
     def itinerary(self) -> Itinerary:
         """All stops; a handover with one `target` has one stop of that name."""
         if self.target is not None:
-            only = Stop("target", self.target, self.contacts, self.kappa_init, self.contact_seconds)
+            only = self._stop("target", self.target, self.contacts, self.kappa_init, self.contact_seconds)
             return Itinerary((only,), middle=self.contact_guess, margins=self.contact_margin)
         stops = (
-            Stop(
-                name, given.target, self.contacts if given.contacts is None else given.contacts,
-                given.kappa_init or self.kappa_init,
-                self.contact_seconds if given.contact_seconds is None else given.contact_seconds,
-                given.reward, f"{name}_",
+            replace(
+                self._stop(
+                    name, given.target, self.contacts if given.contacts is None else given.contacts,
+                    given.kappa_init or self.kappa_init,
+                    self.contact_seconds if given.contact_seconds is None else given.contact_seconds,
+                ),
+                reward=given.reward, prefix=f"{name}_",
             )
             for name, given in self.stops.items()
         )  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, final
+from typing import Annotated, Any, ClassVar, Self, final
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -150,8 +150,9 @@ class Race(Scenario):
         """`nodes_per_gate` for each gate and the end."""
         return self.nodes_per_gate * len(self.goals)
 
-    def on_grid(self, intervals: int) -> None:
-        """Return None: the intervals are counted for each gate."""
+    def on_grid(self, intervals: int) -> Self:
+        """Return the same with so many intervals, or as near as the same number for each segment comes."""
+        return self.model_copy(update={"nodes_per_gate": max(1, round(intervals / len(self.goals)))})
 
     @property
     def itinerary(self) -> Itinerary:

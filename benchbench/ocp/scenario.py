@@ -82,7 +82,10 @@ class Scenario(BaseModel, ABC):
 
     @abstractmethod
     def on_grid(self, intervals: int) -> Self | None:
-        """Return the same with so many intervals; None where that is not how its grid is chosen."""
+        """Return the same with so many intervals, or about as many as its grid can have; None where it has only one grid.
+
+        What the plan is asked for stays as it was on the grid before: a contact lasts as long.
+        """
 
     @property
     @abstractmethod

@@ -23,8 +23,10 @@ Visit = Literal["all", "one", "optional"]
 class Stop:
     """One contact event, known by its name: touch `target` with all `contacts` for `kappa_init` nodes or `contact_seconds` s.
 
-    reward  seconds that making the stop is worth where it may be left out; None: it has to be made
-    prefix  what its variables and blocks are called by; empty for the only stop of a scenario with a `target`
+    reward   seconds that making the stop is worth where it may be left out; None: it has to be made
+    prefix   what its variables and blocks are called by; empty for the only stop of a scenario with a `target`
+    counted  (steps, N): how long a contact without seconds lasts, so many average steps of a grid of N intervals;
+             None: the nodes are counted on whatever grid a plan has
     """
 
     name: str
@@ -34,6 +36,11 @@ class Stop:
     contact_seconds: float | None = field(default=None, compare=False)
     reward: float | None = field(default=None, compare=False)
     prefix: str = field(default="", compare=False)
+    counted: tuple[int, int] | None = field(default=None, compare=False)
+
+    def steps(self, intervals: int) -> tuple[int, int]:
+        """How long a contact without seconds lasts: average steps, and N of their grid; `intervals`: N of the plan's."""
+        return self.counted or (self.kappa_init - 1, intervals)
 
     @property
     def label(self) -> str:

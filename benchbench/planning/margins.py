@@ -31,6 +31,7 @@ BEST_ONLY = "; margins for the best one only"
 
 Margins = dict[str, dict[str, float]]
 """Margins by the name of the field of the scenario."""
+NONE: Margins = {"rate_margin": {}, "contact_margin": {}}
 
 
 def measured(
@@ -43,19 +44,19 @@ def measured(
     """
     if not most:
         return solve(case, None)
-    margins: Margins = {"rate_margin": {}, "contact_margin": {}}
-    first = last = solve(_with(case, margins), None)
+    margins = NONE
+    first = last = solve(with_margins(case, margins), None)
     for _ in range(ROUNDS):
         if not last.claimed or ledger.over:
             return first
         certificate = judge(last, case, ledger)
         if certificate.certified:
             return last
-        raised = _raised(margins, certificate, case)
-        if raised == margins or max((m for own in raised.values() for m in own.values()), default=0.0) > most:
+        raised = taken_back(margins, certificate, case)
+        if raised == margins or largest(raised) > most:
             return first
         margins = raised
-        last = _of_the_search(first, solve(_with(case, margins), last))
+        last = _of_the_search(first, solve(with_margins(case, margins), last))
     return last if last.claimed and judge(last, case, ledger).certified else first
 
 
@@ -65,7 +66,8 @@ def _of_the_search(first: Result, last: Result) -> Result:
     return last.telling(**{**first.account, **searched})
 
 
-def _with(case: Case, margins: Margins) -> Case:
+def with_margins(case: Case, margins: Margins) -> Case:
+    """Return the case with these margins instead of its own."""
     return replace(case, scenario=keeping(case.scenario, margins))
 
 
@@ -80,7 +82,12 @@ def _(scenario: Handover, margins: Margins) -> Scenario:
     return scenario.model_copy(update=margins)
 
 
-def _raised(margins: Margins, found: Certificate, case: Case) -> Margins:
+def largest(margins: Margins) -> float:
+    """The largest of all margins, 0 without any."""
+    return max((m for own in margins.values() for m in own.values()), default=0.0)
+
+
+def taken_back(margins: Margins, found: Certificate, case: Case) -> Margins:
     """Margins with what the replay exceeded taken back; the same where it broke other limits only."""
     rates, contacts = dict(margins["rate_margin"]), dict(margins["contact_margin"])
     if found.flight is not None:
@@ -90,7 +97,7 @@ def _raised(margins: Margins, found: Certificate, case: Case) -> Margins:
                 rates[name] = rates.get(name, 0.0) + AGAIN * float(ratio - case.limits.rate_ratio)
     limits = {name: c.limit for stop in case.scenario.itinerary.stops for name, c in stop.contacts.items()}
     for name, limit in limits.items():
-        flown = [c for c in found.broken if c.name == f"contact_{name}"]
+        flown = [c for c in found.broken if c.name in (f"contact_{name}", f"contact_node_{name}")]
         beyond = max((c.value - c.limit for c in flown), default=0.0)
         if beyond > 0 and np.isfinite(beyond):
             contacts[name] = contacts.get(name, 0.0) + AGAIN * beyond / limit + 1e-4

@@ -178,8 +178,6 @@ def coarsened(scenario: Scenario, factor: int) -> Scenario | None:
 
 @coarsened.register
 def _(scenario: Handover, factor: int) -> Scenario | None:
-    intervals, asked = scenario.intervals // factor, scenario.kappa_init
-    count = max(round((asked - 1) / factor) + 1, min(asked, 2))
-    if intervals < max(10, 2 * count):
-        return None
-    return scenario.model_copy(update={"intervals": intervals, "kappa_init": count})
+    small = scenario.on_grid(scenario.intervals // factor)
+    count = max(stop.kappa_init for stop in small.itinerary.stops)
+    return small if small.intervals >= max(10, 2 * count) else None

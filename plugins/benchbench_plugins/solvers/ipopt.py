@@ -9,7 +9,7 @@ from typing import Any, final
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.nlp.solver import TOLERANCE, Claim, Parametric, Prepared, Setup, Solver
+from benchbench.nlp.solver import TOLERANCE, Claim, Parametric, Prepared, Setup, Solver, Warmth
 from benchbench_plugins.solvers import casadi_nlp
 from benchbench_plugins.solvers.casadi_nlp import Backend
 from benchbench_plugins.solvers.trial import require
@@ -30,15 +30,13 @@ REMEDY = (
 )
 
 BACKEND = Backend("ipopt", CLAIMS, watched=True)
-PUSH = 1e-6
-WARM: dict[str, Any] = {"warm_start_init_point": "yes", "warm_start_mult_bound_push": PUSH} | {
-    f"warm_start_{what}": PUSH
-    for what in ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac")
-}
-"""What differs where the last solution and its multipliers are known.
+PUSH: dict[Warmth, float] = {"near": 1e-6, "prolongated": 1e-3}
+"""How far a start with multipliers is kept from bounds.
 
-Replans of a moving target at N = 50 took 9 iterations (median) with the adaptive mu that cold starts have too; monotone
-from mu_init 1e-3, 1e-4, 1e-6 took 24, 17, 9, and up to 217 after a turn of the target where adaptive took 46.
+Of nearly the same problem: replans of a moving target at N = 50 took 9 iterations (median) with the adaptive mu that cold starts
+have too; monotone from mu_init 1e-3, 1e-4, 1e-6 took 24, 17, 9, and up to 217 after a turn of the target where adaptive
+took 46. Of another grid: four handovers took 94, 69, 44, 53 iterations at N = 100 and 200 with 1e-3, and 157, 75, 89, 58 with
+1e-6; monotone from 1e-3 never ended on one of them.
 """
 
 
@@ -62,7 +60,7 @@ class Ipopt(Solver):
 
     def prepare_parametric(self, mpcc: Mpcc, setup: Setup, adjustable: Collection[str]) -> Parametric:
         """One CasADi solver whose parameters are those of the adjustable blocks, started warm."""
-        native = self._checked(self.native_options(replace(setup, warm=True)))
+        native = self._checked(self.native_options(replace(setup, warm="near")))
         return casadi_nlp.prepare_parametric(BACKEND, mpcc, setup, {"ipopt": native}, adjustable)
 
     def _checked(self, native: dict[str, Any]) -> dict[str, Any]:
@@ -83,8 +81,16 @@ class Ipopt(Solver):
             "print_level": 0,
             "sb": "yes",
         }
-        return own | (WARM if setup.warm else {}) | self.options
+        return own | _warm(setup.warm) | self.options
 
     def version(self) -> str:
         """CasADi's version names the bundled IPOPT."""
         return casadi_nlp.version("ipopt")
+
+
+def _warm(warmth: Warmth) -> dict[str, Any]:
+    """What differs where multipliers are known."""
+    if warmth == "no":
+        return {}
+    pushed = ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push")
+    return {"warm_start_init_point": "yes"} | {f"warm_start_{what}": PUSH[warmth] for what in pushed}

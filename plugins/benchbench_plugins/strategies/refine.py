@@ -22,9 +22,9 @@ from benchbench.planning.validate import numbers
 class Refine(Strategy):
     """Solve by `of` on grids of `coarsest`, twice, four times ... as many intervals, at most `finest`.
 
-    Stops when two grids in a row are certified and their travel times differ by no more than `tolerance`, a share. The
-    intervals of the scenario play no part; kappa_init counts nodes, so ask for contact_seconds where it should last as
-    long on every grid. Returns the finest certified plan, else the finest.
+    Stops when two grids in a row are certified and their travel times differ by no more than `tolerance`, a share. Of the
+    intervals of the scenario only the contact knows, whose nodes they count: it lasts as long on every grid. Returns the
+    finest certified plan, else the finest.
     """
 
     of: InstanceOf[Strategy]
@@ -41,8 +41,8 @@ class Refine(Strategy):
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Solve, judge, refine.
 
-        Raises IncompatibleCase for a race, whose grid counts intervals per gate, and BadInput for contacts that do not
-        fit into the coarsest grid.
+        Raises IncompatibleCase for a scenario with one grid only, and BadInput for contacts that do not fit into the
+        coarsest one.
         """
         numbers(_on_grid(case, self.coarsest))
         told: list[str] = []
@@ -73,5 +73,7 @@ class Refine(Strategy):
 def _on_grid(case: Case, intervals: int) -> Case:
     scenario = case.scenario.on_grid(intervals)
     if scenario is None:
-        raise IncompatibleCase("strategy", "'refine' is for handovers", "phases, relax")
+        raise IncompatibleCase(
+            "strategy", "'refine' needs another grid, the scenario has one", "auto, phases"
+        )
     return replace(case, scenario=scenario)

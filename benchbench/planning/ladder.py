@@ -1,0 +1,56 @@
+"""The grid ladder: solve phases on a coarse grid, prolongate plan and multipliers to the next one.
+
+A cold solve on a fine grid spends most of its iterations on finding the flight; a coarse grid finds the same one for a
+tenth of the cost. With stages (collocation, Runge-Kutta) a cold solve at N = 100 may not end at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.plan import Plan
+from benchbench.planning import posing
+from benchbench.planning.case import Case
+from benchbench.planning.result import Result
+from benchbench.planning.strategy import pose
+
+COARSE = 0.25
+"""Share of the intervals that the first grid has."""
+FEWEST = 16
+"""Intervals that the first grid has at least."""
+
+Told = Callable[[str], None]
+
+
+def coarse(case: Case) -> Case:
+    """Return the case on the first grid of its ladder; the case itself where its own is coarse already."""
+    intervals = case.scenario.grid_intervals
+    return on_grid(case, max(FEWEST, round(COARSE * intervals))) if intervals > FEWEST else case
+
+
+def on_grid(case: Case, intervals: int) -> Case:
+    """Return the case on a grid of so many intervals; the case itself where its scenario has only one grid."""
+    scenario = case.scenario.on_grid(intervals)
+    return case if scenario is None else replace(case, scenario=scenario)
+
+
+def rung(case: Case, ledger: Ledger, start: Plan, below: Result | None = None) -> Result:
+    """Solve phases from a plan, with the multipliers of a solved grid below; once more without them if that fails."""
+    with ledger.building():
+        problem = posing.phases(case, start)
+    name = f"N = {case.scenario.grid_intervals}"
+    found = pose(problem, case, ledger, name, below)
+    if found.claimed or below is None or ledger.over:
+        return found
+    return pose(problem, case, ledger, f"{name}, again")
+
+
+def climb(case: Case, ledger: Ledger, start: Plan) -> Result:
+    """Solve on the coarse grid, then on the case's own; directly on its own where the coarse one fails."""
+    first = coarse(case)
+    below = None if first is case else rung(first, ledger, start)
+    if below is None or (not below.claimed and not ledger.over):
+        return rung(case, ledger, start)
+    return rung(case, ledger, below.plan, below) if below.claimed else below
