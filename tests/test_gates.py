@@ -66,7 +66,7 @@ def test_a_rectangle_is_flown_through_and_speed_and_heading_are_kept() -> None:
         (FRAME | {"yaw": math.pi, "direction": "against"}, SLOW, None),
         (FRAME | {"width": 0.2}, SLOW, "gate"),
         (FRAME, SLOW | {"speed": [7, 9]}, "gate_speed"),
-        (FRAME, SLOW | {"speed": [0, 1]}, "gate_speed"),
+        (FRAME, SLOW | {"speed": [0, 0.5]}, "gate_speed"),  # it turns in that ball, at 0.7 m/s at its slowest
         (FRAME, SLOW | {"heading": 0.3}, "gate_heading"),
     ],
 )
@@ -164,12 +164,14 @@ def test_conditions_of_planners_agree_with_plain_geometry() -> None:
         p = np.array([1, 2, 3]) + random.normal(size=3) * random.choice([0.4, 1e-4])
         p -= n * (n @ (p - [1, 2, 3])) * random.choice([0, 1], p=[0.3, 0.7])
         v, nose = random.normal(size=3) * 2.5, random.normal(size=3) + np.array([0.5, 0.9, 0])
+        nose[:2] *= random.choice([1, 0.05], p=[0.8, 0.2])
+        nose /= np.linalg.norm(nose)
         d = p - [1, 2, 3]
         angle = math.remainder(math.atan2(nose[1], nose[0]) - 1.0, 2 * math.pi)
         by_hand = {
             "opening": abs(n @ d) <= 1e-4 and abs(side @ d) <= 1 and abs(up @ d) <= 0.5,
             "across": n @ v >= 1.0, "slowest": np.linalg.norm(v) >= 2, "fastest": np.linalg.norm(v) <= 5,
-            "nose": abs(angle) <= 0.1,
+            "nose": abs(angle) <= 0.1, "not_vertical": abs(math.asin(nose[2])) <= math.acos(0.2),
         }  # fmt: skip
         state = {"position": p, "velocity": v, "attitude": nose}
         for condition, numbers in conditions(gate):
@@ -177,7 +179,21 @@ def test_conditions_of_planners_agree_with_plain_geometry() -> None:
             holds = bool(np.all(np.array(ca.evalf(h)) <= 0))
             assert holds == by_hand[condition.name], condition.name
             seen.add((condition.name, holds))
-    assert len(seen) == 10
+    assert len(seen) == 12
+
+
+def test_a_heading_is_not_flown_with_the_nose_straight_up() -> None:
+    """Where turning is slow and pitching is not: this flight stood on its tail at the gate, with any heading before and after."""
+    gate = "{x: 0, y: 2, z: 2, radius: 0.3, heading: 3.0}"
+    case = config.compose(
+        "+scenario=race", f"scenario.track=[{gate}]", "scenario.gates=null", "scenario.nodes_per_gate=20",
+        "scenario.start={x: -2, y: 0, z: 2}", "scenario.end={x: 2, y: 0, z: 2}",
+    )  # fmt: skip
+    done = pipeline.run(case)
+    assert done.certificate.certified, done.certificate.reasons
+    (k,) = np.flatnonzero(done.result.plan.progress > 0.5)[:1]
+    w, x, y, z = done.result.plan.configuration[k, 3:7]
+    assert math.hypot(w * w + x * x - y * y - z * z, 2 * (x * y + w * z)) >= 0.2 - 1e-6
 
 
 @pytest.mark.parametrize("direction", ["along", "against", "either"])

@@ -24,6 +24,12 @@ ACROSS = 1.0
 At 4 g a vehicle turns back within 13 mm at the earliest, so it cannot touch the plane and leave without crossing; and
 1 mm of replay error moves the crossing by no more than 1 cm at 10 m/s along the plane.
 """
+LEVEL = 0.2
+"""Least level part of the nose, of 1, where a heading is asked: it points up or down by 78 degrees at most.
+
+A vertical nose has no heading. A vehicle that yaws slowly would pitch to the vertical at that one node instead of turning; and an
+error of the replay in attitude is up to 1 / LEVEL times as large in heading.
+"""
 
 
 @dataclass(frozen=True)
@@ -68,6 +74,7 @@ NOSE = GateCondition(
     lambda n, to: to[2] * ca.sqrt(n[0] ** 2 + n[1] ** 2 + 1e-12) - ca.dot(n[:2], to[:2]),
     "1",
 )
+NOT_VERTICAL = GateCondition("not_vertical", "attitude", 1, lambda n, least: 1 - ca.sumsqr(n[:2]) / least**2)
 
 
 def conditions(gate: Gate, margin: float = 0.0) -> Iterator[tuple[GateCondition, tuple[float, ...]]]:
@@ -85,6 +92,7 @@ def conditions(gate: Gate, margin: float = 0.0) -> Iterator[tuple[GateCondition,
             yield FASTEST, (most,)
     if gate.heading is not None:
         yield NOSE, (np.cos(gate.heading), np.sin(gate.heading), np.cos(HEADING))
+        yield NOT_VERTICAL, (LEVEL,)
 
 
 def _rectangle(
