@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from program import records, told
 
 from benchbench.analysis.suite import cpu, outcome
@@ -163,6 +164,20 @@ def test_a_suite_compares_methods(tmp_path: Path) -> None:
     methods = json.loads(path.read_text())["methods"]
     assert [m["method"][0] for m in methods] == ["scenario.intervals=12", "scenario.intervals=14"]
     assert done.stdout.count("Wilson") == 2
+
+
+def test_best_known_values_of_drawn_tasks_are_kept(tmp_path: Path) -> None:
+    race = write(tmp_path, scenario="random_race", seeds=[3, 3])
+    first = told(tmp_path, "suite", race, "scenario.nodes_per_gate=20")
+    assert first.returncode == 0, first.stdout + first.stderr
+    assert "1 of 1 " in first.stdout and "1 are the best known now" in first.stdout
+    kept = told(tmp_path, "best", "results")
+    assert "random_race_3, rk4, N = 80" in kept.stdout and "the first" in kept.stdout
+    (entry,) = yaml.safe_load((tmp_path / "references" / "best_known.yaml").read_text())
+    assert config.compose(*shlex.split(entry["command"])).task_hash == entry["task_hash"]
+    again = told(tmp_path, "suite", race, "scenario.nodes_per_gate=20", "rerun=all")
+    assert "median +0 %, worst +0 % above the best known of 1 tasks" in again.stdout
+    assert "are the best known now" not in again.stdout
 
 
 def test_suites_are_listed_with_ones_own(tmp_path: Path) -> None:

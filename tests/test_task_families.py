@@ -24,7 +24,6 @@ from benchbench.run.execution import config_hash, written
 from benchbench.run.making import made
 
 PINNED = yaml.safe_load(drawn_tasks.FILE.read_text())
-PLACES = ("hydra.searchpath=[]",)
 
 
 @pytest.fixture(scope="module")
@@ -191,6 +190,25 @@ def test_the_seed_of_a_task_does_not_disturb_the_start() -> None:
     assert (both.seed, both.scenario.name) == (3, "random_handover_7")
     assert both.task_hash == config.compose(family, "seed=7").task_hash
     assert config.compose("+scenario=circle", "seed=7").seed == 7
+
+
+def test_a_family_that_was_stored_is_made_of_plugins_only(tmp_path: Path) -> None:
+    """Overrides that lie beside results: nothing else is even called."""
+    file = tmp_path / "made"
+    hostile = (
+        "+scenario=random_handover",
+        "~scenario.family",
+        f"+scenario.family={{_target_:os.mkdir,path:{file}}}",
+    )
+    with pytest.raises(
+        BadInput, match=r"scenario\.family\._target_: 'os\.mkdir' stands in a stored configuration"
+    ):
+        config.compose_any(*hostile, stored=True)
+    assert not file.exists()
+    assert (
+        config.compose_any("+scenario=random_handover", "seed=7", stored=True).names["scenario"]
+        == "random_handover_7"
+    )
 
 
 BAD = (
