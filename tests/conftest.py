@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 from functools import partial
 from pathlib import Path
@@ -12,6 +13,11 @@ from sharing import Once, made_once
 os.environ.setdefault(
     "OMP_NUM_THREADS", "1"
 )  # libraries read it when they are loaded; one worker per core is enough
+
+
+def pytest_collection_finish() -> None:
+    """What has been imported stays: the collector need not look at it again, in a fork of a mutation run least of all."""
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

@@ -150,6 +150,22 @@ def test_a_target_that_is_fast_along_one_axis_is_no_nearer_along_another() -> No
     bound = sequence_bound(task, task.itinerary.stops, MODEL, MODEL.plant())
     exact = time + (0.5 - TOUCH) / SPEED[0]
     assert exact - 5 * STEP <= bound <= exact
+    fast = (1.0 - TOUCH) / FASTEST[0]
+    late = [[1.0, -20.0 * (fast + 0.02), HEIGHT], [0.0, 20.0, 0.0]]
+    anywhere = LIMITS.model_copy(update={"end_position": 30.0})
+    assert fast - 4 * STEP <= one(flight(late), 1.0, 1.0, anywhere) <= fast
+
+
+def test_bounds_do_not_depend_on_where_the_way_begins() -> None:
+    """The same way 7 m farther back and 3 m aside."""
+    for ahead_by in (1.25, 4.0):
+        here, there = flight([[ahead_by, 0.5, HEIGHT]]), flight([[ahead_by - 7, 3.5, HEIGHT]])
+        there = there.model_copy(
+            update={"start": {"x": -7.0, "y": 3.0, "z": HEIGHT}, "end": {"x": -4.5, "y": 3.0, "z": HEIGHT}}
+        )
+        assert one(there, 0.6, 0.7) == pytest.approx(one(here, 0.6, 0.7), abs=2 * STEP)
+        bounds = [sequence_bound(t, t.itinerary.stops, MODEL, MODEL.plant()) for t in (there, here)]
+        assert bounds[0] == pytest.approx(bounds[1], abs=2 * STEP)
 
 
 def test_the_bound_of_two_contacts_along_a_line() -> None:
