@@ -102,15 +102,12 @@ def _write_flight(done: Run, case: Case, folder: Path, config: str) -> Path:
 
 
 def _draw(done: Run, case: Case, folder: Path) -> Path:
+    from benchbench.report.caption import caption
     from benchbench.report.picture import draw
     from benchbench.storage.files import PICTURE
 
     path, plan, flight = folder / PICTURE, done.result.plan, done.certificate.flight
-    title = (
-        f"{case.names['scenario']}, {case.names['dynamics']}, N = {plan.intervals}, {case.names['strategy']}"
-    )
-    verdict = "certified" if done.certificate.certified else f"NOT certified: {done.certificate.reasons[0]}"
-    draw(path, plan, case.scenario, case.model, flight, title, verdict)
+    draw(path, plan, case.scenario, case.model, flight, *caption(done.record))
     return path
 
 

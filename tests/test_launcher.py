@@ -9,7 +9,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -112,17 +112,19 @@ def test_settings_are_checked(tmp_path: Path, field: str, value: str) -> None:
     assert f"  {field}: " in done.stderr
 
 
-def kill_and_resume(folder: Path, kills: int, whole: float, seed: int) -> list[int]:
+def kill_and_resume(
+    folder: Path, kills: int, whole: float, seed: int, sweep: Sequence[str] = SWEEP, look: Callable[[], object] = list
+) -> list[int]:  # fmt: skip
     """Start the sweep, kill its parent with SIGKILL at a random moment, `kills` times, then let it end.
 
     A sweep that is faster than the undisturbed one was is killed before its last row.
 
-    whole: seconds that the undisturbed sweep took. Returns how many of the runs had their row at each kill.
+    whole: seconds that the undisturbed sweep took; look: called after each kill. Returns how many of the runs had their row at each kill.
     """
     moments, rows = random.Random(seed), []
     for _ in range(kills):
         process = subprocess.Popen(
-            [*COMMAND, *SWEEP], cwd=folder,
+            [*COMMAND, *sweep], cwd=folder,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env={**os.environ, **ENVIRONMENT},
         )  # fmt: skip
         table = folder / "results" / "table"
@@ -134,7 +136,8 @@ def kill_and_resume(folder: Path, kills: int, whole: float, seed: int) -> list[i
         process.wait()
         rows.append(len(read(folder / "results")))
         assert_nothing_left(folder)
-    done = told(folder, *SWEEP)
+        look()
+    done = told(folder, *sweep)
     assert done.returncode == 1, done.stderr
     return rows
 

@@ -6,7 +6,6 @@ import contextlib
 import errno
 import hashlib
 import json
-import re
 import tempfile
 import time
 import traceback
@@ -26,8 +25,9 @@ from benchbench.run.failure import cut, failed, reason
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.progress import LiveLine
 from benchbench.storage.best_known import BEST_KNOWN, REFERENCES, BestKnown, packaged
+from benchbench.storage.claims import alone_in
 from benchbench.storage.contents import contents
-from benchbench.storage.files import RECORD, vacate, write_record
+from benchbench.storage.files import RECORD, run_name, vacate, write_record
 from benchbench.storage.schema import Record
 
 CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2
@@ -60,7 +60,7 @@ class Place:
             Path(run.runtime.cwd, str(cfg.get("output"))).resolve(),
         )
         combination = " ".join(run.overrides.task) if run.mode == RunMode.MULTIRUN else ""
-        labels = {"run_id": _run_id(folder, root), "config_hash": config_hash(cfg)}
+        labels = {"run_id": run_name(folder, root), "config_hash": config_hash(cfg)}
         return cls(folder, root, dict(run.runtime.choices), combination, labels, time.time())
 
     @property
@@ -74,12 +74,23 @@ class Place:
         """The record of this run, and not of an earlier one in the same folder, is there."""
         record = self.folder / RECORD
         try:
-            if record.stat().st_mtime < self.began:
-                return False
-            told = json.loads(record.read_text())
-        except (OSError, ValueError, RecursionError):
+            return record.stat().st_mtime >= self.began and self._told.get("run_id") == self.labels["run_id"]
+        except OSError:
             return False
-        return isinstance(told, dict) and told.get("run_id") == self.labels["run_id"]
+
+    @property
+    def _told(self) -> dict[str, Any]:
+        """The record in the folder, whoever's; empty where there is none to be read."""
+        try:
+            told = json.loads((self.folder / RECORD).read_bytes())
+        except (OSError, ValueError, RecursionError):
+            return {}
+        return told if isinstance(told, dict) else {}
+
+    @property
+    def taken(self) -> bool:
+        """The folder has the record of another configuration, which would be lost."""
+        return self._told.get("config_hash") not in (None, self.labels["config_hash"])
 
     @property
     def sweep(self) -> bool:
@@ -207,7 +218,8 @@ def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
     _check_writable(place.root)
     known = BestKnown.load(packaged(), *place.references)
     told = instantiate(cfg.on_step) if cfg.get("on_step") else None
-    with LiveLine(told) as line:
+    alone = contextlib.nullcontext() if place.sweep else alone_in(place.folder, place.root)
+    with alone, LiveLine(told) as line:
         done = pipeline.run(case, line, place.labels, how.repeats, known)
         line.stage("files", None)
         return done, pipeline.write(done, place.folder, place.root, written(cfg), how.picture)
@@ -224,12 +236,6 @@ def _check_writable(root: Path) -> None:
     except OSError as error:
         problem = f"cannot write into '{folder(root)}': {error.strerror}"
         raise BadInput("output", problem, "a folder you may write to") from None
-
-
-def _run_id(folder: Path, root: Path) -> str:
-    """Name of a run from its folder, usable as a file name."""
-    near = folder.relative_to(root) if folder.is_relative_to(root) else folder
-    return re.sub(r"[^\w.+=-]+", "-", "_".join(near.parts[-4:])).lstrip("-.") or "run"
 
 
 def _sizes(cfg: DictConfig) -> dict[str, int]:

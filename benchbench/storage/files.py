@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
+import re
 import secrets
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -21,6 +23,9 @@ RECORD, PLAN, SOLUTION, PICTURE, CONFIG = (
     "config.yaml",
 )
 TEMPORARY_SUFFIX = ".tmp"
+DEPTH, LONGEST = 4, 150
+"""Folders below that of the results, and characters, that name a run."""
+_ODD = re.compile(r"[^\w.+=-]+")
 
 
 @contextmanager
@@ -78,6 +83,22 @@ def vacate(folder: Path) -> None:
         _remove(folder)
     for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG):
         _remove(folder / name)
+
+
+def run_name(folder: Path, root: Path) -> str:
+    """Name of a run, its `run_id`, from its folder: usable as a file name, and no other folder's.
+
+    Where the parts of the path alone may be those of another folder, too, a hash of the whole path stands behind them.
+    """
+    inside = folder.is_relative_to(root)
+    parts = folder.relative_to(root).parts if inside else folder.parts
+    name = "_".join(parts[-DEPTH:])
+    plain = inside and len(parts) <= DEPTH and not (len(parts) > 1 and any("_" in part for part in parts))
+    text = _ODD.sub("-", name).lstrip("-.")[-LONGEST:]
+    if plain and text == name:
+        return text
+    whole = hashlib.sha256("/".join(parts).encode("utf-8", "surrogateescape")).hexdigest()[:8]
+    return f"{text}-{whole}".lstrip("-.")
 
 
 def _cannot_write(folder: Path, error: OSError) -> BadInput:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cache
+from pathlib import Path
 from typing import Protocol, final
 
 from omegaconf import OmegaConf
 
 from benchbench.run.execution import Ended, Place, failure
 from benchbench.run.hydra_errors import EXPECTED
+from benchbench.run.redraw import redraw
 from benchbench.run.settings import Settings
-from benchbench.sweep.claims import Claims
+from benchbench.storage.claims import Claims, name_of
 from benchbench.sweep.combination import Combination
+from benchbench.sweep.job import Job
 from benchbench.sweep.resume import Earlier
 from benchbench.sweep.task import Task, Tasks
 
@@ -39,6 +42,7 @@ class Agenda:
         self._combinations, self._listener = combinations, listener
         self._elsewhere: list[tuple[Combination, Place, Settings]] = []
         self._mine: set[str] = set()
+        self._folders: set[Path] = set()
         self._claims, self._earlier = cache(Claims), cache(Earlier)
         self.places: dict[int, Place] = {}
         """Where the combinations that could be composed stand, by number."""
@@ -51,19 +55,20 @@ class Agenda:
         for combination in self._combinations:
             task = self._composed(combination)
             if task and self._ours(combination, *task[1:]):
-                yield task
+                yield self._apart(task)
         while self._elsewhere:
             left, self._elsewhere = self._elsewhere, []
             for combination, place, settings in left:
                 if self._ours(combination, place, settings) and (task := self._composed(combination)):
-                    yield task
+                    yield self._apart(task)
             if len(self._elsewhere) == len(left):
                 self._listener.waits(len(left))
                 yield None
 
     def done(self, place: Place) -> None:
         """Hear that a task has its row."""
-        self._claims(place.root).release(place.labels["config_hash"])
+        for name in (place.labels["config_hash"], name_of(place.folder)):
+            self._claims(place.root).release(name)
 
     def _composed(self, combination: Combination) -> Task | None:
         place, job = None, None
@@ -74,9 +79,12 @@ class Agenda:
         except EXPECTED as error:
             if job is None and combination is self._combinations[0]:
                 raise
-            self._listener.refused(
-                combination, failure(error, job.case if job else OmegaConf.create(), place)
-            )
+            if job and place:
+                place = self._place_apart(job, place)
+            end = failure(error, job.case if job else OmegaConf.create(), place)
+            if place:
+                self.done(place)
+            self._listener.refused(combination, end)
             return None
 
     def _ours(self, combination: Combination, place: Place, settings: Settings) -> bool:
@@ -95,7 +103,35 @@ class Agenda:
             if code is not None:
                 claims.release(label)
         if code is not None:
+            folder = earlier.folder(label)
+            if settings.picture and folder is not None:
+                redraw(folder)
             self._listener.skipped(combination, code)
             return False
+        return True
+
+    def _apart(self, task: Task) -> Task:
+        """The task in a folder of its own."""
+        job, place, settings = task
+        place = self.places[job.number] = self._place_apart(job, place)
         self._mine.add(place.labels["run_id"])
+        return job, place, settings
+
+    def _place_apart(self, job: Job, place: Place) -> Place:
+        """The run's place, with a number behind it where another run is or was in that folder."""
+        subdir, again = job.subdir, 1
+        while not self._free(place):
+            again += 1
+            place = job.place(f"{subdir}.{again}")
+        self._folders.add(place.folder)
+        return place
+
+    def _free(self, place: Place) -> bool:
+        """Whether no other run, of this sweep or another one, is or was in its folder; if so, none will be."""
+        claims, name = self._claims(place.root), name_of(place.folder)
+        if place.folder in self._folders or not claims.take(name):
+            return False
+        if place.taken:
+            claims.release(name)
+            return False
         return True

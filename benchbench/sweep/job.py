@@ -43,11 +43,22 @@ class Job:
             del case["hydra"]
         return case
 
-    def place(self) -> Place:
-        """Where the run stands. Raises one of `hydra_errors.EXPECTED` for a value that cannot be resolved."""
+    @property
+    def subdir(self) -> str:
+        """Folder of the run below that of the sweep."""
+        return str(self.config.hydra.sweep.subdir)
+
+    def place(self, subdir: str | None = None) -> Place:
+        """Where the run stands, of a sweep in another folder below the sweep's if one is given.
+
+        Raises one of `hydra_errors.EXPECTED` for a value that cannot be resolved.
+        """
         HydraConfig.instance().set_config(self.config)
         if self.swept:
             sweep = self.config.hydra.sweep
+            if subdir is not None:
+                with read_write(sweep):
+                    sweep.subdir = subdir
             with read_write(self.config.hydra.runtime), open_dict(self.config.hydra.runtime):
                 self.config.hydra.runtime.output_dir = str(Path(str(sweep.dir), str(sweep.subdir)).absolute())
             HydraConfig.instance().set_config(self.config)

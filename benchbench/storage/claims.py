@@ -1,14 +1,37 @@
-"""Which runs are at work just now, so that sweeps that write into the same folder share the work."""
+"""Which runs and run folders are at work just now: sweeps share the work, and no two runs write into one folder."""
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import final
 
-FILE = ".claims"
-"""An empty file in the folder of results; each run has one of its bytes locked while it is at work."""
+from benchbench.errors import BadInput
+
+CLAIMS = ".claims"
+"""An empty file in the folder of results; each run, and its folder, has one of its bytes locked while it is at work."""
+
+
+def name_of(folder: Path) -> str:
+    """What a run's folder is claimed by."""
+    return hashlib.sha256(str(folder).encode("utf-8", "surrogateescape")).hexdigest()[:16]
+
+
+@contextmanager
+def alone_in(folder: Path, root: Path) -> Iterator[None]:
+    """Have a run's folder for oneself; raises BadInput while another process has it."""
+    claims = Claims(root)
+    try:
+        if not claims.take(name_of(folder)):
+            problem = f"another run is at work in '{folder}'"
+            raise BadInput("hydra.run.dir", problem, "a folder of its own for each run")
+        yield
+    finally:
+        claims.close()
 
 
 @final
@@ -17,7 +40,7 @@ class Claims:
 
     def __init__(self, root: Path) -> None:
         """Take the folder of results; the file is made with the first claim."""
-        self._path, self._file, self._held = root / FILE, -1, Counter[str]()
+        self._path, self._file, self._held = root / CLAIMS, -1, Counter[str]()
 
     def take(self, name: str) -> bool:
         """Claim a run by its configuration hash, once more if it is claimed here; False if another process has it.
@@ -35,6 +58,13 @@ class Claims:
             _locked(self._file, name, False)
         if self._held[name]:
             self._held[name] -= 1
+
+    def close(self) -> None:
+        """Give all claims of this process back."""
+        if self._file >= 0:
+            os.close(self._file)
+            self._file = -1
+        self._held.clear()
 
     def _lock(self, name: str) -> bool:
         try:

@@ -1,0 +1,14 @@
+"""What stands above a picture: what was planned, and the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+
+def caption(record: Mapping[str, Any]) -> tuple[str, str]:
+    """Return title and verdict of a run's plan from its record."""
+    title = f"{record['scenario']}, {record['dynamics']}, N = {record['intervals']}, {record['strategy']}"
+    if record["certified"]:
+        return title, "certified"
+    return title, f"NOT certified: {next(iter(record['reasons'] or ()), record['status'])}"
