@@ -26,6 +26,7 @@ from hydra.types import HydraContext
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from benchbench.errors import BadInput
 from benchbench.run import memory
 from benchbench.run.execution import (
     BAD_INPUT,
@@ -92,7 +93,7 @@ def carry_out(content: bytes, output: int, answer: int) -> NoReturn:
 def work(job: Job, settings: Settings) -> Ended:
     """Carry out one run in this process, within its limit of memory."""
     context = HydraContext(GlobalHydra.instance().config_loader(), Callbacks())
-    Path(job.config.hydra.runtime.output_dir).mkdir(parents=True, exist_ok=True)
+    where = str(job.config.hydra.runtime.output_dir)
     memory.limit(settings.memory_limit_mb)
     folder_key, sub_key = ("hydra.sweep.dir", "hydra.sweep.subdir") if job.swept else ("hydra.run.dir", None)
 
@@ -103,7 +104,16 @@ def work(job: Job, settings: Settings) -> Ended:
         except KeyboardInterrupt as error:  # a plugin's: Ctrl-C does not come here
             return failure(error, cfg, Place.of(cfg))
 
-    return run_job(guarded, job.config, folder_key, sub_key, context).return_value
+    try:
+        Path(where).mkdir(parents=True, exist_ok=True)
+        return run_job(guarded, job.config, folder_key, sub_key, context).return_value
+    except OSError as error:  # Hydra's own files, beside the run's
+        why = BadInput(
+            "output",
+            f"cannot write into {where}: {error.strerror}",
+            "a folder you may write to, with free space",
+        )
+        return failure(why, job.case, None)
 
 
 def encoded(end: Ended, modules: list[str]) -> bytes:
