@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.offsetbox import AnchoredOffsetbox, HPacker, TextArea
 
 from benchbench.arrays import Array
+from benchbench.report.grid import TICKS_IN, label_axes
 from benchbench.report.style import CONTACT, CURVES, INK, LIMIT
 
 Points = tuple[Array, Array]
@@ -65,6 +66,7 @@ def draw_panel(axes: Axes, panel: Panel, windows: Sequence[tuple[float, float]],
     _draw_limits(axes, panel)
     _label_curves(axes, panel)
     axes.set_xlim(0.0, travel_time)
+    label_axes(axes, TICKS_IN)
     _zoom(axes, panel)
 
 
@@ -118,7 +120,7 @@ def _label_curves(axes: Axes, panel: Panel) -> None:
 def _zoom(axes: Axes, panel: Panel) -> None:
     axes.set_ylim(span(panel))
     if panel.logarithmic:  # zeros stay at the lower edge
-        axes.set_yscale("log", nonpositive="clip")
+        axes.set_yscale("log", nonpositive="clip", subs=(2, 5))
 
 
 def span(panel: Panel) -> tuple[float, float]:

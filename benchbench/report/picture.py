@@ -11,7 +11,6 @@ from pathlib import Path
 
 import matplotlib as mpl
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -21,13 +20,14 @@ from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows
+from benchbench.report.grid import LABEL_IN, TITLE_IN, Margins
 from benchbench.report.limits_panel import limit_panels
 from benchbench.report.panel import Panel, draw_panel
 from benchbench.report.panels import conditions
 from benchbench.report.png import Picture, write_png
 from benchbench.report.race import race_figure
 from benchbench.report.style import BAD, CONTACT, GOOD, INK, LIMIT, RC
-from benchbench.report.views import Scene, draw_view, label_times, legend_handles, scene
+from benchbench.report.views import SIDE, TOP, Scene, draw_view, label_times, legend_handles, scene
 from benchbench.storage.files import replacing
 
 WIDTH_IN = 14.0
@@ -35,6 +35,11 @@ HEADER_IN, ROW_IN = 1.15, 1.75
 VIEW_SHARE = 0.6
 """Width of the views without their labels, as a share of the page."""
 COLUMNS = 4
+VIEW_LABELS_IN = 0.75
+"""Height of title, numbers and label of a view."""
+TIMES_IN = 0.2
+"""Height of the times above the side view."""
+VIEWS = Margins(left=0.64, right=0.2, between_rows=LABEL_IN + TITLE_IN + 0.08)
 
 
 @dataclass(frozen=True)
@@ -121,10 +126,9 @@ def compose(page: Page, replayed: bool) -> Figure:
     rows = ceil(len(page.limits) / COLUMNS)
     views = max(sum(_view_heights(page.scene)), ROW_IN * len(page.contacts))
     heights = [HEADER_IN, views, ROW_IN * rows]
-    layout = ConstrainedLayoutEngine(w_pad=0.09, h_pad=0.05)
-    figure = Picture(figsize=(WIDTH_IN, sum(heights)), layout=layout, facecolor="white")
-    header, top, bottom = figure.subfigures(3, 1, height_ratios=heights, squeeze=False)[:, 0]
-    left, right = top.subfigures(1, 2, width_ratios=[2, 1], squeeze=False)[0]
+    figure = Picture(figsize=(WIDTH_IN, sum(heights)), facecolor="white")
+    header, top, bottom = figure.subfigures(3, 1, height_ratios=heights, squeeze=False, hspace=0)[:, 0]
+    left, right = top.subfigures(1, 2, width_ratios=[2, 1], squeeze=False, wspace=0)[0]
     _header(header, page, replayed)
     _views(left, page.scene)
     _contact_column(right, page)
@@ -164,19 +168,24 @@ def _header(figure: SubFigure, page: Page, replayed: bool) -> None:
 
 def _views(figure: SubFigure, scene: Scene) -> None:
     heights = _view_heights(scene)
-    axes = figure.subplots(len(heights), 1, squeeze=False, sharex=True, height_ratios=heights)[:, 0]
-    draw_view(axes[0], scene, (0, 2), "Side view")
-    label_times(axes[0], scene, (0, 2))
+    shares = [height - VIEW_LABELS_IN for height in heights]
+    shares[0] += TIMES_IN
+    place = VIEWS.grid(figure, len(heights), 1)
+    axes = figure.subplots(
+        len(heights), 1, squeeze=False, sharex=True, height_ratios=shares, gridspec_kw=place
+    )[:, 0]
+    draw_view(axes[0], scene, SIDE, "Side view")
+    label_times(axes[0], scene, SIDE)
     if scene.sideways:
-        draw_view(axes[1], scene, (0, 1), "Top view")
+        draw_view(axes[1], scene, TOP, "Top view")
 
 
 def _view_heights(scene: Scene) -> list[float]:
     """Heights (in) that give the side view, and the top view if there is one, the scale of the width."""
     x, y, z = scene.extent
-    labels = 0.75
     scale = WIDTH_IN * VIEW_SHARE / max(x, 1.2 * y, 1.2 * z)
-    return [scale * z + labels, scale * y + labels] if scene.sideways else [scale * z + labels]
+    sizes = (z, y) if scene.sideways else (z,)
+    return [scale * size + VIEW_LABELS_IN for size in sizes]
 
 
 def _contact_column(figure: SubFigure, page: Page) -> None:
@@ -191,7 +200,8 @@ def _grid(figure: SubFigure, panels: list[Panel], page: Page, rows: int, columns
     """Fill a grid of panels row by row; the last one of each column carries the time axis label."""
     if not panels:
         return
-    cells = figure.subplots(rows, columns, squeeze=False).ravel()
+    place = Margins().grid(figure, rows, columns)
+    cells = figure.subplots(rows, columns, squeeze=False, gridspec_kw=place).ravel()
     for i, axes in enumerate(cells):
         if i >= len(panels):
             axes.set_axis_off()

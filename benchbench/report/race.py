@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
@@ -21,12 +20,17 @@ from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate, Triple
+from benchbench.report.grid import TITLE_IN, Margins
 from benchbench.report.panel import draw_panel
 from benchbench.report.png import Picture
 from benchbench.report.race_panels import race_panels
 from benchbench.report.style import BAD, GOOD, INK, TARGET
 
 WIDTH_IN, HEIGHT_IN, HEADER_IN = 14.0, 9.0, 0.75
+SPACE, COLOURS = (0.015, 0.08, 0.755, 0.88), (0.9, 0.25, 0.0165, 0.5)
+"""Where the track, without its numbers, and the scale of its colours stand: (left, bottom, width, height) as shares of their
+half of the page."""
+LIMITS = Margins(left=0.62, between_rows=TITLE_IN + 0.08)
 VERDICT_LETTERS = 90
 SPEEDS = "plasma"
 NEAR = 0.01
@@ -51,15 +55,15 @@ def race_figure(
 ) -> Figure:
     """Lay the page out."""
     race = as_passed(plan, race, NEAR)
-    layout = ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.04)
-    figure = Picture(figsize=(WIDTH_IN, HEIGHT_IN), layout=layout, facecolor="white")
+    figure = Picture(figsize=(WIDTH_IN, HEIGHT_IN), facecolor="white")
     shares = [HEADER_IN, HEIGHT_IN - HEADER_IN]
-    header, body = figure.subfigures(2, 1, height_ratios=shares, squeeze=False)[:, 0]
-    left, right = body.subfigures(1, 2, width_ratios=[1.35, 1], squeeze=False)[0]
+    header, body = figure.subfigures(2, 1, height_ratios=shares, squeeze=False, hspace=0)[:, 0]
+    left, right = body.subfigures(1, 2, width_ratios=[1.35, 1], squeeze=False, wspace=0)[0]
     _header(header, plan, race, title, verdict)
-    space: Axes3D = left.add_subplot(projection="3d")
+    space: Axes3D = left.add_axes(SPACE, projection="3d")
     colours = _track(space, _flight(plan, race, replay))
-    left.colorbar(colours, ax=space, label="speed [m/s]", shrink=0.5, pad=0.1, aspect=30)
+    _fit(left, space)
+    left.colorbar(colours, cax=left.add_axes(COLOURS), label="speed [m/s]")
     _limits(right, plan, race, model, replay)
     return figure
 
@@ -98,7 +102,8 @@ def _limits(figure: SubFigure, plan: Plan, race: Race, model: Model, replay: Rep
     flown = plan if replay is None else replay
     found = passes(flown.time, flown.configuration[:, :3], race.goals, NEAR)
     shares = [1.0 if panel.unit in ("m", "m/s") else 1.3 for panel in panels]
-    column = figure.subplots(len(panels), 1, sharex=True, height_ratios=shares)
+    place = LIMITS.grid(figure, len(panels), 1)
+    column = figure.subplots(len(panels), 1, sharex=True, height_ratios=shares, gridspec_kw=place)
     for axes, panel in zip(column, panels, strict=True):
         draw_panel(axes, panel, (), plan.travel_time)
         for mark in (one.time for one in found if one.inside):
@@ -130,6 +135,21 @@ def _track(axes: Axes3D, flight: DrawnFlight) -> Line3DCollection:
     axes.set(xlabel="x [m]", ylabel="y [m]", zlabel="z [m]")
     axes.view_init(elev=32, azim=-62)
     return lines
+
+
+def _fit(figure: SubFigure, axes: Axes3D) -> None:
+    """Make the track's box fill SPACE: seen as it is, it stands somewhere in the square that its axes take."""
+    size = figure.bbox.size
+    left, bottom, width, height = np.array(SPACE) * [*size, *size]
+    limits = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
+    corners = np.array([[x, y, z, 1.0] for x in limits[0] for y in limits[1] for z in limits[2]])
+    seen = corners @ axes.get_proj().T
+    low, high = (seen[:, :2] / seen[:, 3:]).min(axis=0), (seen[:, :2] / seen[:, 3:]).max(axis=0)
+    (x0, x1), (y0, y1) = axes.viewLim.intervalx, axes.viewLim.intervaly
+    side = min(width * (x1 - x0) / (high[0] - low[0]), height * (y1 - y0) / (high[1] - low[1]))
+    middle = ((low + high) / 2 - (x0, y0)) / (x1 - x0, y1 - y0)
+    corner = np.array([left + width / 2, bottom + height / 2]) - side * middle
+    axes.set_position((*(corner / size), *(side / size)))
 
 
 def _labels(gates: Sequence[Gate], start: Triple) -> dict[Triple, list[str]]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import singledispatch
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 
 from benchbench.arrays import Array
@@ -20,6 +21,7 @@ from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows, stop_windows
 from benchbench.report.gates import outlines
+from benchbench.report.grid import NUMBERS_IN, TICKS_IN, label_axes
 from benchbench.report.style import ARM, CONTACT, FRAME, INK, TARGET, TOOL
 
 POSES = 16
@@ -29,6 +31,8 @@ FLAT_M = 0.02
 """Sideways motion (m) below which a plan is drawn in the x-z plane only."""
 
 
+SIDE, TOP = (0, 2), (0, 1)
+"""The two world axes of each view, 0 for x, 1 for y, 2 for z. Numbers along x stand below the lower one."""
 LABEL_M = 0.17
 """About half the width (m) of a time label."""
 
@@ -122,13 +126,12 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> N
     if scene.flown is not None:
         # An artist, unlike a plot, leaves the axis limits alone: a replay that runs away must not set the scale.
         axes.add_artist(Line2D(scene.flown[:, h], scene.flown[:, v], color=INK, linewidth=0.7, zorder=3))
-    for node in scene.pose_nodes:
-        _draw_pose(axes, scene, node, plane, strong=False)
-    for node in scene.contact_nodes:
-        _draw_pose(axes, scene, node, plane, strong=True)
+    _draw_poses(axes, scene, scene.pose_nodes, plane, strong=False)
+    _draw_poses(axes, scene, scene.contact_nodes, plane, strong=True)
     _draw_target(axes, scene, plane)
     axes.set_xlabel(f"{'xyz'[h]} [m]")
     axes.set_ylabel(f"{'xyz'[v]} [m]")
+    label_axes(axes, 0.08 if plane == SIDE and scene.sideways else TICKS_IN, NUMBERS_IN)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.03, 0.12)
 
@@ -172,15 +175,16 @@ def skeleton(scene: Scene, node: int) -> dict[str, Array]:
     return scene.model.plant().skeleton(scene.plan.configuration[node])
 
 
-def _draw_pose(axes: Axes, scene: Scene, node: int, plane: tuple[int, int], strong: bool) -> None:
-    h, v = plane
+def _draw_poses(axes: Axes, scene: Scene, nodes: Sequence[int], plane: tuple[int, int], strong: bool) -> None:
     alpha, width, order = (1.0, 2.6, 6) if strong else (0.5, 1.4, 4)
-    for name, points in skeleton(scene, node).items():
-        color = ARM if "arm" in name else FRAME
-        axes.plot(points[:, h], points[:, v], color=color, linewidth=width, alpha=alpha, zorder=order)
-    tool = scene.tool[node]
+    drawn = [(name, points) for node in nodes for name, points in skeleton(scene, node).items()]
+    lines = LineCollection(
+        [points[:, plane] for _, points in drawn], colors=[ARM if "arm" in name else FRAME for name, _ in drawn],
+        linewidths=width, alpha=alpha, zorder=order, capstyle="round",
+    )  # fmt: skip
+    axes.add_collection(lines)
     axes.plot(
-        tool[h], tool[v], "o", color=TOOL, markersize=6 if strong else 4,
+        *scene.tool[list(nodes)][:, plane].T, "o", color=TOOL, markersize=6 if strong else 4,
         markeredgecolor="white", markeredgewidth=0.5, alpha=1.0 if strong else 0.8, zorder=order + 1,
     )  # fmt: skip
 
