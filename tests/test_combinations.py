@@ -22,13 +22,18 @@ COMBINATIONS = [
     ("verlet", "l1_penalty", "uno"), ("verlet", "direct", "bonmin"), ("verlet", "scholtes", "cvxpy"),
     ("midpoint", "fischer_burmeister", "ipopt"), ("rk4", "natural_residual", "sqpmethod"),
 ]  # fmt: skip
+UNFINISHED = {
+    "sqpmethod", "cvxpy", "cvxpy_nlp", "sleqp", "fatrop", ("verlet", "l1_penalty", "uno"),
+}  # fmt: skip
+"""Solvers and combinations that do not end well in 60 iterations either: fewer say the same of their records."""
 
 
 @pytest.mark.parametrize(("dynamics", "relaxation", "solver"), COMBINATIONS)
 def test_combination(dynamics: str, relaxation: str, solver: str) -> None:
+    few = bool(UNFINISHED & {solver, (dynamics, relaxation, solver)})
     case = config.compose(
         "+scenario=static", f"dynamics={dynamics}", f"relaxation={relaxation}", f"solver={solver}",
-        "guess=line", "scenario.intervals=8", "iteration_limit=60", "time_limit=10",
+        "guess=line", "scenario.intervals=8", f"iteration_limit={8 if few else 60}", "time_limit=10",
     )  # fmt: skip
     done = pipeline.run(case)
     record = done.record

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -19,12 +20,38 @@ GRANTED = 20.0
 """Wall seconds beyond its time limit that a strategy may take, to build and to end a solve."""
 
 
-def check_result(strategy: Strategy, case: Case) -> None:
+Planned = tuple[Result, Ledger]
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What a strategy makes of a small case, solved once for all checks."""
+
+    strategy: Strategy
+    case: Case
+
+    @cached_property
+    def seeded(self) -> Case:
+        """The case with a seed, so that chance plays its part where there is any."""
+        return replace(self.case, seed=3)
+
+    @cached_property
+    def first(self) -> Planned:
+        """Its result, and the effort."""
+        return self.solve(self.seeded)
+
+    def solve(self, case: Case) -> Planned:
+        """Solve once more."""
+        ledger = Ledger(case.time_limit)
+        return planned(self.strategy, replace(case, strategy=self.strategy), ledger), ledger
+
+
+def check_result(tried: Tried) -> None:
     """What is called solved keeps its problem; plan and objective are those of the solution; effort is counted.
 
     What a strategy tells of itself has a column in the record.
     """
-    result, ledger = _solve(strategy, case)
+    result, ledger = tried.first
     plan, found = result.plan, result.solution.residuals
     require(result.claimed, f"did not solve a small case: {result.solved.outcome.detail}")
     require(
@@ -40,27 +67,21 @@ def check_result(strategy: Strategy, case: Case) -> None:
     make_record(**result.account)
 
 
-def check_repeatable(strategy: Strategy, case: Case) -> None:
+def check_repeatable(tried: Tried) -> None:
     """The same seed gives the same plan, bit by bit; the seed reaches the start."""
-    seeded = replace(case, seed=3)
-    one, again = (_solve(strategy, seeded)[0] for _ in range(2))
+    (one, _), (again, _) = tried.first, tried.solve(tried.seeded)
     require(np.array_equal(one.plan.configuration, again.plan.configuration), "differs for equal seeds")
     require(one.account == again.account, "tells another story for equal seeds")
-    start, moved = (first_plan(c, Ledger(60.0)) for c in (case, seeded))
+    start, moved = (first_plan(c, Ledger(60.0)) for c in (tried.case, tried.seeded))
     require(not np.allclose(start.time, moved.time), "a seed does not change the start")
 
 
-def check_time(strategy: Strategy, case: Case) -> None:
+def check_time(tried: Tried) -> None:
     """Almost no time: a result all the same, soon."""
     began = time.perf_counter()
-    result, _ = _solve(strategy, replace(case, time_limit=0.05))
+    result, _ = tried.solve(replace(tried.case, time_limit=0.05))
     require(result.plan.intervals > 0, "no plan")
     require(time.perf_counter() - began < GRANTED, "goes on long after its time")
 
 
 CHECKS = (check_result, check_repeatable, check_time)
-
-
-def _solve(strategy: Strategy, case: Case) -> tuple[Result, Ledger]:
-    ledger = Ledger(case.time_limit)
-    return planned(strategy, replace(case, strategy=strategy), ledger), ledger
