@@ -43,4 +43,4 @@ class Bad(Strategy):
                     hoard.append(np.empty(10**7))
             case "raise":
                 raise RuntimeError("first line\nout of cheese")
-        return Phases().solve(case, ledger)
+        return Phases(margin=0.0).solve(case, ledger)

@@ -12,7 +12,8 @@ from program import told
 from benchbench.storage.table import read
 
 HERE = str(Path(__file__).parent)
-QUICK = ("strategy=phases", "scenario.intervals=12", "picture=false")
+QUICK = ("strategy=phases", "strategy.margin=0", "scenario.intervals=12", "picture=false")
+"""One solve on a grid too coarse to be certified."""
 BAD = ("~strategy", "+strategy._target_=bad_runs.Bad", "scenario.intervals=12", "picture=false")
 SWEEP = ("-m", "+scenario=static,linear,circle", *QUICK)
 RUNS = 3

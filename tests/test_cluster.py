@@ -87,11 +87,16 @@ def cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
             yield address, [one, other]
 
 
-def test_a_lost_worker_costs_nothing(tmp_path: Path, calm_sweep: Path) -> None:
-    far = tmp_path / "far"
-    far.mkdir()
+def test_bad_runs_cost_their_row_and_a_lost_worker_nothing(tmp_path: Path, calm_sweep: Path) -> None:
+    """One after the other on one cluster, whose start takes as long as a run."""
+    bad, far = tmp_path / "bad", tmp_path / "far"
+    bad.mkdir(), far.mkdir()
     with cluster(tmp_path / "cluster") as (address, workers):
         there = ("hydra/launcher=dask", f"hydra.launcher.scheduler={address}")
+        for how in (("+strategy.how=segfault,exit,fine",), ("+strategy.how=spin", "hard_limit=2")):
+            done = told(bad, "-m", "+scenario=static", *BAD, *how, *there)
+            assert done.returncode == 1, done.stderr
+        assert all(worker.poll() is None for worker in workers)
         command, environment = [*COMMAND, *SWEEP, *there], {**os.environ, **ENVIRONMENT}
         sweep = subprocess.Popen(command, cwd=far, env=environment, stdout=subprocess.PIPE)
         limit = time.monotonic() + 120.0
@@ -104,6 +109,8 @@ def test_a_lost_worker_costs_nothing(tmp_path: Path, calm_sweep: Path) -> None:
     assert f"{RUNS} of {RUNS} runs are in the table" in again.stdout
     pd.testing.assert_frame_equal(answers(far / "results"), answers(calm_sweep / "results"))
     assert len(list(far.rglob("plan.mcap"))) == RUNS
+    assert sorted(r["status"] for r in records(bad)) == ["crash", "crash", "timeout", "uncertified"]
+    assert len(read(bad / "results")) == 4
 
 
 def test_files_come_back_without_a_shared_file_system(
@@ -113,7 +120,7 @@ def test_files_come_back_without_a_shared_file_system(
     started_in.mkdir()
     monkeypatch.chdir(started_in)
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
-        overrides = ["+scenario=static", "strategy=phases", "scenario.intervals=12", "hydra.mode=MULTIRUN"]
+        overrides = ["+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=12", "hydra.mode=MULTIRUN"]
         cfg = hydra.compose("config", overrides, return_hydra_config=True)
         search_path = GlobalHydra.instance().config_loader().get_search_path()
         for key, value in {
@@ -133,17 +140,6 @@ def test_files_come_back_without_a_shared_file_system(
     assert end.record is not None and end.record["status"] == "uncertified"
     assert {"record.json", "plan.mcap", "plan.png", "config.yaml"} <= files.keys()
     assert list(tmp_path.iterdir()) == []
-
-
-def test_bad_runs_cost_their_row_and_no_worker(tmp_path: Path) -> None:
-    with cluster(tmp_path / "cluster") as (address, workers):
-        there = ("hydra/launcher=dask", f"hydra.launcher.scheduler={address}")
-        for how in (("+strategy.how=segfault,exit,fine",), ("+strategy.how=spin", "hard_limit=2")):
-            done = told(tmp_path, "-m", "+scenario=static", *BAD, *how, *there)
-            assert done.returncode == 1, done.stderr
-        assert all(worker.poll() is None for worker in workers)
-    assert sorted(r["status"] for r in records(tmp_path)) == ["crash", "crash", "timeout", "uncertified"]
-    assert len(read(tmp_path / "results")) == 4
 
 
 @pytest.mark.parametrize(
