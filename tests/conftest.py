@@ -13,6 +13,9 @@ from sharing import Once, made_once
 os.environ.setdefault(
     "OMP_NUM_THREADS", "1"
 )  # libraries read it when they are loaded; one worker per core is enough
+os.environ.pop(
+    "PYTHONDONTWRITEBYTECODE", None
+)  # tests start hundreds of interpreters, one may compile our files
 
 
 def pytest_collection_finish() -> None:

@@ -98,13 +98,16 @@ def test_bad_runs_cost_their_row_and_a_lost_worker_nothing(tmp_path: Path, calm_
             assert done.returncode == 1, done.stderr
         assert all(worker.poll() is None for worker in workers)
         command, environment = [*COMMAND, *SWEEP, *there], {**os.environ, **ENVIRONMENT}
-        sweep = subprocess.Popen(command, cwd=far, env=environment, stdout=subprocess.PIPE)
+        sweep = subprocess.Popen(
+            command, cwd=far, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+        )
         limit = time.monotonic() + 120.0
         while not list(far.glob("results/table/*.parquet")) and time.monotonic() < limit:
             time.sleep(0.02)
         kill(workers[0])
         assert len(read(far / "results")) < RUNS  # it was killed in the middle
-        sweep.communicate(timeout=200)
+        said, _ = sweep.communicate(timeout=200)
+        assert sweep.returncode == 1, said.decode()
         again = told(far, *SWEEP, *there)
     assert f"{RUNS} of {RUNS} runs are in the table" in again.stdout
     pd.testing.assert_frame_equal(answers(far / "results"), answers(calm_sweep / "results"))
@@ -120,7 +123,13 @@ def test_files_come_back_without_a_shared_file_system(
     started_in.mkdir()
     monkeypatch.chdir(started_in)
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
-        overrides = ["+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=12", "hydra.mode=MULTIRUN"]
+        overrides = [
+            "+scenario=static",
+            "strategy=phases",
+            "strategy.margin=0",
+            "scenario.intervals=12",
+            "hydra.mode=MULTIRUN",
+        ]
         cfg = hydra.compose("config", overrides, return_hydra_config=True)
         search_path = GlobalHydra.instance().config_loader().get_search_path()
         for key, value in {

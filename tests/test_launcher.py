@@ -56,7 +56,12 @@ def test_every_bad_end_costs_one_typed_row(tmp_path: Path) -> None:
     assert done.returncode == 1, done.stderr
     assert done.stdout.splitlines()[-1] == "0 of 5 runs certified"
     late = told(
-        tmp_path, *bad, f"+strategy.how={endless}", "workers=1", "hard_limit=2", "hydra.sweep.dir=results/late"
+        tmp_path,
+        *bad,
+        f"+strategy.how={endless}",
+        "workers=1",
+        "hard_limit=2",
+        "hydra.sweep.dir=results/late",
     )
     assert late.returncode == 1, late.stderr
     assert late.stdout.splitlines()[-1] == "0 of 2 runs certified"

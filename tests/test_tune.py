@@ -48,7 +48,15 @@ def test_a_study_ends_with_a_configuration_that_runs_and_goes_on(tmp_path: Path)
         assert trial.values[0] == pytest.approx(sum(r["travel_time_s"] for r in of_trial), abs=1e-12)
         assert trial.values[1] == pytest.approx(sum(r["solve_cpu_s"] for r in of_trial), abs=1e-12)
     best = pd.read_csv(folder / "front.csv").iloc[0]
-    tuned = told(tmp_path, "--config-dir", str(folder), "+scenario=static", "+tuned=best", "output=again", "picture=false")
+    tuned = told(
+        tmp_path,
+        "--config-dir",
+        str(folder),
+        "+scenario=static",
+        "+tuned=best",
+        "output=again",
+        "picture=false",
+    )
     assert tuned.returncode == 0, tuned.stdout + tuned.stderr
     (record,) = records(tmp_path / "again")
     assert (record["strategy"], record["dynamics"]) == ("phases", "collocation")

@@ -17,7 +17,9 @@ from benchbench.storage.recording import write_mcap
 GUESSES = pytest.mark.parametrize("candidate", candidates("guesses"), ids=lambda c: c.name)
 
 
-@pytest.fixture(scope="module", params=["static", "circle", "circle vehicle=table1_quaternion dynamics=rk4"])
+@pytest.fixture(
+    scope="module", params=["static", "circle", "circle vehicle=table1_quaternion dynamics=lie_verlet"]
+)
 def case(request: pytest.FixtureRequest) -> Case:
     """A target at rest and a moving one, the attitude in angles and as a quaternion, on a coarse grid."""
     return config.compose(*f"+scenario={request.param}".split(), "scenario.intervals=16", "compile=never")
