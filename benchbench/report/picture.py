@@ -37,6 +37,7 @@ VIEW_SHARE = 0.6
 COLUMNS = 4
 VIEW_LABELS_IN = 0.75
 """Height of title, numbers and label of a view."""
+PANELS = Margins(between_rows=TITLE_IN + 0.1)
 TIMES_IN = 0.2
 """Height of the times above the side view."""
 VIEWS = Margins(left=0.64, right=0.2, between_rows=LABEL_IN + TITLE_IN + 0.08)
@@ -197,15 +198,16 @@ def _limit_grid(figure: SubFigure, page: Page, rows: int) -> None:
 
 
 def _grid(figure: SubFigure, panels: list[Panel], page: Page, rows: int, columns: int) -> None:
-    """Fill a grid of panels row by row; the last one of each column carries the time axis label."""
+    """Fill a grid of panels row by row; the last one of each column carries the numbers and the label of the time axis."""
     if not panels:
         return
-    place = Margins().grid(figure, rows, columns)
+    place = PANELS.grid(figure, rows, columns)
     cells = figure.subplots(rows, columns, squeeze=False, gridspec_kw=place).ravel()
     for i, axes in enumerate(cells):
         if i >= len(panels):
             axes.set_axis_off()
             continue
         draw_panel(axes, panels[i], page.windows, page.scene.plan.travel_time)
-        if i + columns >= len(panels):
-            axes.set_xlabel("time [s]")
+        last = i + columns >= len(panels)
+        axes.tick_params(axis="x", labelbottom=last)
+        axes.set_xlabel("time [s]" if last else "")
