@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Scenario
 from benchbench.transcription.dynamics import Dynamics
+from benchbench.transcription.grid import Mesh
 
 
 @dataclass(frozen=True, kw_only=True)
 class Formulation:
-    """A task, the vehicle that flies it, and the transcription of its dynamics."""
+    """A task, the vehicle that flies it, and the transcription of its dynamics.
+
+    mesh  intervals of unequal length, for problems posed as phases; empty: as many as the scenario says, of equal length
+    """
 
     scenario: Scenario
     model: Model
     dynamics: Dynamics
+    mesh: Mesh = field(default_factory=dict)

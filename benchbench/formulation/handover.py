@@ -104,9 +104,9 @@ def phase_grid(
     marks = np.array([0.0, *_contact_times(case, start, made), travel_time])
     names = ["approach", *(f"transfer_to_{stop.name}" for stop in made[1:]), "leave"]
     for i, stop in enumerate(made):
-        found.append(Phase(names[i], int(legs[i]), SHORTEST, longest, marks[i + 1] - marks[i]))
+        found.append(Phase(names[i], int(legs[i]), SHORTEST, longest, marks[i + 1] - marks[i]).on(case.mesh))
         first = sum(phase.intervals for phase in found)
-        contact[stop.name] = tuple(range(first, first + inside[i] + 1))
+        contact[stop.name] = (first,)
         if not inside[i]:
             continue
         seconds = stop.contact_seconds
@@ -115,9 +115,10 @@ def phase_grid(
         low, high = (SHORTEST, longest) if seconds is None else (seconds, seconds)
         if seconds is None:
             averaged.append((len(found), stop))
-        found.append(Phase(f"{stop.prefix}contact", inside[i], low, high, guess))
+        found.append(Phase(f"{stop.prefix}contact", inside[i], low, high, guess).on(case.mesh))
+        contact[stop.name] = tuple(range(first, first + found[-1].intervals + 1))
     last = names[len(made)] if made else "flight"
-    found.append(Phase(last, int(legs[-1]), SHORTEST, longest, marks[-1] - marks[-2]))
+    found.append(Phase(last, int(legs[-1]), SHORTEST, longest, marks[-1] - marks[-2]).on(case.mesh))
     return Grid(tuple(found)), contact, averaged
 
 

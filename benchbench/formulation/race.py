@@ -50,6 +50,7 @@ def segments(race: Race, intervals: int, guess: Array) -> Grid:
 def phases(race: Race, case: Formulation, start: Plan) -> Problem:
     """Each gate is passed at the last node of its segment; guessed from a plan; smooth."""
     grid = segments(race, race.nodes_per_gate, np.diff([0.0, *_times(race, start)]))
+    grid = Grid(tuple(phase.on(case.mesh) for phase in grid.phases))
     base, trajectory = case.dynamics.transcribe(race, case.model, grid)
     held = at_nodes(race, _place(case), grid.ends, race.goals)
     return Problem(

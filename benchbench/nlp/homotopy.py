@@ -17,7 +17,7 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.method import Method
 from benchbench.nlp.relaxation import Smooth, smooth
 from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Progress, Setup, Warmth
-from benchbench.nlp.warm_start import carried
+from benchbench.nlp.warm_start import Between, carried, same_share
 
 GOOD = ("solved", "iteration_limit")
 """Claims after which it is worth to go on from where the solver stopped."""
@@ -59,7 +59,13 @@ class Path:
 
 
 def homotopy(
-    mpcc: Mpcc, case: Method, ledger: Ledger, stage: str, near: Solved | None = None, path: Path | None = None
+    mpcc: Mpcc,
+    case: Method,
+    ledger: Ledger,
+    stage: str,
+    near: Solved | None = None,
+    path: Path | None = None,
+    between: Between = same_share,
 ) -> Solved:
     """Solve an MPCC; without pairs it is one smooth solve.
 
@@ -69,10 +75,11 @@ def homotopy(
 
     near: a solved problem in whose solution this one is guessed. It gives the multipliers of what both have (see
     `carried`), and there is nowhere to be led: only the last sigma is solved.
+    between: where the rows of this problem lie on the grid of `near`.
     path: see `Path`; without one it is the relaxation's schedule, every sigma once.
     """
     ledger.relaxed |= bool(mpcc.pairs)
-    solves = _Solves(mpcc, case, ledger, stage, near)
+    solves = _Solves(mpcc, case, ledger, stage, near, between)
     far, path = path is not None, path or Path(case.relaxation.schedule)
     schedule = path.schedule if mpcc.pairs else (0.0,)
     pending = deque(schedule if near is None else schedule[-1:])
@@ -105,7 +112,9 @@ class _Solves:
     a move, and when less time is left than it was granted.
     """
 
-    def __init__(self, mpcc: Mpcc, case: Method, ledger: Ledger, stage: str, near: Solved | None) -> None:
+    def __init__(
+        self, mpcc: Mpcc, case: Method, ledger: Ledger, stage: str, near: Solved | None, between: Between
+    ) -> None:
         self._mpcc, self._case, self._ledger, self._stage = mpcc, case, ledger, stage
         self._warm: Warmth = "no" if near is None else "near"
         self._granted = np.inf  # nothing is built yet
@@ -117,7 +126,7 @@ class _Solves:
             self._watch = ledger.watch.stage(stage, self._steps) if ledger.watch else None
             self._point = Point(relaxed.guess)
             if near is not None and near.relaxed is not None:
-                self._point = carried(relaxed, near.relaxed, near.outcome.point)
+                self._point = carried(relaxed, near.relaxed, near.outcome.point, between)
                 self._warm = "near" if near.relaxed.size == relaxed.size else "prolongated"
 
     def go_back(self, solved: Solved) -> None:

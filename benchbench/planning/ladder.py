@@ -18,6 +18,8 @@ from benchbench.planning.strategy import pose
 
 COARSE = 0.25
 """Share of the intervals that the first grid has."""
+WARM = 100
+"""Iterations that a solve with multipliers may use: a good start needs 15 to 60."""
 FEWEST = 16
 """Intervals that the first grid has at least."""
 
@@ -40,11 +42,11 @@ def rung(case: Case, ledger: Ledger, start: Plan, below: Result | None = None) -
     """Solve phases from a plan, with the multipliers of a solved grid below; once more without them if that fails."""
     with ledger.building():
         problem = posing.phases(case, start)
-    name = f"N = {case.scenario.grid_intervals}"
-    found = pose(problem, case, ledger, name, below)
-    if found.claimed or below is None or ledger.over:
-        return found
-    return pose(problem, case, ledger, f"{name}, again")
+    name = f"N = {problem.trajectory.grid.intervals}"
+    if below is None:
+        return pose(problem, case, ledger, name)
+    found = pose(problem, replace(case, iteration_limit=min(WARM, case.iteration_limit)), ledger, name, below)
+    return found if found.claimed or ledger.over else pose(problem, case, ledger, f"{name}, again")
 
 
 def climb(case: Case, ledger: Ledger, start: Plan) -> Result:

@@ -2,33 +2,40 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Literal
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
-from benchbench.planning.findings import Step, next_step
+from benchbench.planning.findings import next_step
 from benchbench.planning.ladder import climb, on_grid, rung
-from benchbench.planning.margins import NONE, with_margins
+from benchbench.planning.margins import NONE, Margins, with_margins
+from benchbench.planning.mesh import halved, marked, steady
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge
 
-ROUNDS = 8
+ROUNDS = 10
 """Solves that may follow the first one from a start."""
+
+Refinement = Literal["local", "uniform"]
 
 
 @dataclass
 class Loop:
     """Rounds from any number of starts, on grids of at most `finest` intervals, with margins of at most `margin`.
 
-    told: what each round gave, in words; tried: each result that claims success, with its certificate.
+    refinement  where a grid is refined: in the intervals in which the replay found errors, or everywhere
+    told        what each round gave, in words
+    tried       each result that claims success, with its certificate
     """
 
     case: Case
     ledger: Ledger
     finest: int
     margin: float
+    refinement: Refinement = "local"
     told: list[str] = field(default_factory=list)
     tried: list[tuple[Result, Certificate | None]] = field(default_factory=list)
 
@@ -39,31 +46,40 @@ class Loop:
 
     def round(self, case: Case, start: Plan) -> bool:
         """Plan from one start until the certificate accepts; returns whether it does."""
-        level = with_margins(case, NONE)
-        found, step = climb(level, self.ledger, start), Step(1, NONE, "")
+        level, margins = with_margins(case, NONE), NONE
+        found = climb(level, self.ledger, start)
         for _ in range(ROUNDS):
             certificate = judge(found, self.case, self.ledger) if found.claimed else None
             self.tried.append((found, certificate))
-            self.told.append(_sentence(level, found, certificate, step))
+            self.told.append(_sentence(found, certificate, margins))
             if certificate is None or certificate.certified or self.ledger.over:
                 break
-            following = next_step(certificate, level, step.margins, self.margin, self.finest)
-            if following is None:
+            step = next_step(certificate, level, margins, self.margin, found.plan.intervals < self.finest)
+            if step is None:
                 break
-            step = following
-            level = with_margins(on_grid(level, step.finer * level.scenario.grid_intervals), step.margins)
+            if step.finer:
+                level = self._finer(level, found, certificate)
+            margins = step.margins
+            level = with_margins(level, margins)
             found = rung(level, self.ledger, found.plan, found)
         return certificate is not None and certificate.certified
+
+    def _finer(self, level: Case, found: Result, certificate: Certificate) -> Case:
+        """The case on the next grid."""
+        if self.refinement == "local" and steady(level):
+            grid = found.problem.trajectory.grid
+            return replace(level, mesh=halved(grid, marked(found.plan, certificate, level)))
+        return on_grid(level, 2 * level.scenario.grid_intervals)
 
 
 def _broken(certificate: Certificate | None) -> int:
     return len(certificate.broken) if certificate else 10**6
 
 
-def _sentence(level: Case, found: Result, certificate: Certificate | None, step: Step) -> str:
-    given = {**step.margins["rate_margin"], **step.margins["contact_margin"]}
-    margins = ", ".join(f"{name} {share:.2%}" for name, share in given.items())
-    at = f"N = {level.scenario.grid_intervals}" + (f", margins {margins}" if margins else "")
+def _sentence(found: Result, certificate: Certificate | None, margins: Margins) -> str:
+    given = {**margins["rate_margin"], **margins["contact_margin"]}
+    told = ", ".join(f"{name} {share:.2%}" for name, share in given.items())
+    at = f"N = {found.plan.intervals}" + (f", margins {told}" if told else "")
     if certificate is None:
         return f"{at}: {found.solved.outcome.claim}"
     verdict = "certified" if certificate.certified else certificate.reasons[0]

@@ -16,6 +16,7 @@ from benchbench.planning.case import AnyCase, Case, Strategy
 from benchbench.planning.disturb import disturbed
 from benchbench.planning.result import Result
 from benchbench.planning.verdict import judged
+from benchbench.transcription.prolongation import prolongation
 
 
 def planned(strategy: Strategy, case: Case, ledger: Ledger) -> Result:
@@ -30,7 +31,10 @@ def planned(strategy: Strategy, case: Case, ledger: Ledger) -> Result:
 
 def pose(problem: Problem, case: Case, ledger: Ledger, stage: str, near: Result | None = None) -> Result:
     """Solve one problem and decode it; `near`: what was found for a problem that nearly has this one's solution."""
-    solved = homotopy(problem.mpcc, case, ledger, stage, near.solved if near else None)
+    if near is None:
+        return Result.of(problem, homotopy(problem.mpcc, case, ledger, stage))
+    between = prolongation(near.problem.trajectory.grid, problem.trajectory.grid)
+    solved = homotopy(problem.mpcc, case, ledger, stage, near.solved, between=between)
     return Result.of(problem, solved)
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -13,21 +13,38 @@ from benchbench.mpcc.problem import Slot
 from benchbench.ocp.node import Node
 from benchbench.ocp.plan import Plan
 
+Mesh = Mapping[str, Sequence[float]]
+"""Intervals of unequal length: shares of each phase's duration, by the name of the phase. Empty: equal steps."""
+
 
 @dataclass(frozen=True)
 class Phase:
-    """A stretch of the time axis with equal steps; its duration (s) is bounded and may be free."""
+    """A stretch of the time axis; its duration (s) is bounded and may be free.
+
+    shares  of the duration that each interval has, (intervals,), 1 in sum; empty: equal steps
+    """
 
     name: str
     intervals: int
     lower: float
     upper: float
     guess: float
+    shares: tuple[float, ...] = ()
+
+    @property
+    def steps(self) -> Array:
+        """Share of the duration that each interval has, (intervals,)."""
+        return np.array(self.shares) if self.shares else np.full(self.intervals, 1.0 / self.intervals)
+
+    def on(self, mesh: Mesh) -> Phase:
+        """Return the phase with the intervals that a mesh has for it; as it is where the mesh says nothing of it."""
+        shares = mesh.get(self.name, ())
+        return replace(self, intervals=len(shares), shares=tuple(shares)) if shares else self
 
 
 @dataclass(frozen=True)
 class Grid:
-    """The time axis as consecutive phases; one phase is the paper's single free step size."""
+    """The time axis as consecutive phases; one phase of equal steps is the paper's single free step size."""
 
     phases: tuple[Phase, ...]
 
@@ -39,17 +56,18 @@ class Grid:
     @property
     def step_weights(self) -> Array:
         """W (N, phases): interval k has the step h_k = W[k] @ durations, in s."""
-        return np.concatenate(
-            [
-                np.tile(np.eye(len(self.phases))[i] / p.intervals, (p.intervals, 1))
-                for i, p in enumerate(self.phases)
-            ]
-        )
+        unit = np.eye(len(self.phases))
+        return np.concatenate([np.outer(p.steps, unit[i]) for i, p in enumerate(self.phases)])
 
     @property
     def time_weights(self) -> Array:
         """W (N + 1, phases): node k is at t_k = W[k] @ durations, in s."""
         return np.concatenate([np.zeros((1, len(self.phases))), np.cumsum(self.step_weights, axis=0)])
+
+    @property
+    def mesh(self) -> dict[str, tuple[float, ...]]:
+        """Shares of all intervals by phase."""
+        return {p.name: tuple(p.steps.tolist()) for p in self.phases}
 
     @property
     def ends(self) -> tuple[int, ...]:

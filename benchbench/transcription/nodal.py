@@ -91,9 +91,9 @@ def durations(grid: Grid, instances: int) -> Slot:
 
 
 def own_duration(grid: Grid, intervals: Sequence[int] | None = None) -> tuple[Slot, Array]:
-    """Slot of the duration T of each interval's own phase, and its share 1 / n: h = share T, (intervals, 1)."""
+    """Slot of the duration T of each interval's own phase, and its share of it: h = share T, (intervals, 1)."""
     phase = np.repeat(np.arange(len(grid.phases)), [p.intervals for p in grid.phases])
-    share = 1.0 / np.array([p.intervals for p in grid.phases])[phase, None]
+    share = np.concatenate([p.steps for p in grid.phases])[:, None]
     which = np.arange(grid.intervals) if intervals is None else np.asarray(intervals)
     return rows("T", 1, phase[which]), share[which]
 

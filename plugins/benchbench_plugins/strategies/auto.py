@@ -12,7 +12,7 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.disturb import disturbed
-from benchbench.planning.loop import Loop
+from benchbench.planning.loop import Loop, Refinement
 from benchbench.planning.result import Result
 
 
@@ -23,18 +23,20 @@ class Auto(Strategy):
 
     finer   the finest grid has so many times the intervals of the scenario
     margin  largest share of a limit left unused because the replay exceeded it between nodes
+    refinement  local: a grid is refined where the replay found errors; uniform: everywhere
     starts  how many starts are tried until one is certified
     patience  iterations granted to a solve that is not the last start's: a good start needs a tenth of that
     """
 
     finer: Annotated[int, Field(ge=1, le=64)] = 8
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
+    refinement: Refinement = "local"
     starts: Annotated[int, Field(ge=1)] = 4
     patience: Annotated[int, Field(ge=1)] = 400
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Return the first certified result; without one that with the fewest broken limits."""
-        loop = Loop(case, ledger, self.finer * case.scenario.grid_intervals, self.margin)
+        loop = Loop(case, ledger, self.finer * case.scenario.grid_intervals, self.margin, self.refinement)
         for number in range(self.starts):
             last = number == self.starts - 1
             limit = case.iteration_limit if last else min(case.iteration_limit, self.patience)

@@ -1,0 +1,80 @@
+"""Where a grid is refined: in the intervals in which the replay found the largest errors, and nowhere else."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from benchbench.arrays import Array, Flags
+from benchbench.certificate.certificate import Certificate
+from benchbench.certificate.difference import angle, distance, rate, speed
+from benchbench.certificate.limited import Limited
+from benchbench.certificate.replay import Defects, defects
+from benchbench.ocp.plan import Plan
+from benchbench.planning.case import Case
+from benchbench.transcription.grid import Grid, Mesh
+
+MARKED = 0.5
+"""An interval is halved where its error exceeds this share of what the certificate allows."""
+LEFT = 1 / 8
+"""What remains of the defect of an interval of a method of second order that is halved."""
+AIM = 0.7
+"""Errors that add up are to come down to this share of their limit."""
+ALONE = ("defect_", "replay_rate", "replay_position", "replay_angle")
+"""Names of checks that are about one interval; the others are about what has added up."""
+MOST = 0.75
+"""Share of the intervals above which all are halved."""
+
+
+def marked(plan: Plan, found: Certificate, case: Case) -> Flags:
+    """Tell which intervals to halve, (N,); all where most would be."""
+    missed = _defects(plan, defects(plan, case.model.plant()), case)
+    chosen = np.maximum(missed, _overshoot(plan, found, case)) > MARKED
+    summed = [c.value / c.limit for c in found.broken if not c.name.startswith(ALONE) and c.limit > 0]
+    if summed:
+        share = min((1 - AIM / max(summed)) / (1 - LEFT), 1.0)
+        largest = np.argsort(-missed)
+        enough = int(np.searchsorted(np.cumsum(missed[largest]), share * missed.sum())) + 1
+        chosen[largest[:enough]] = True
+    return chosen if 0 < chosen.mean() <= MOST else np.ones(plan.intervals, bool)
+
+
+def steady(case: Case) -> bool:
+    """Whether limits stay the same along the flight; those that change with the nodes' numbers need equal steps."""
+    flown = case.scenario.flown(case.model, 9)
+    return all(np.all(limit == limit[0]) for limit in case.scenario.planned_rates_at(case.model, flown))
+
+
+def halved(grid: Grid, chosen: Flags) -> Mesh:
+    """Return the grid with the chosen intervals (N,) cut into two."""
+    ends = np.cumsum([0, *(phase.intervals for phase in grid.phases)])
+    return {
+        phase.name: tuple(np.repeat(phase.steps / (1 + chosen[a:b]), 1 + chosen[a:b].astype(int)).tolist())
+        for phase, a, b in zip(grid.phases, ends, ends[1:], strict=False)
+    }
+
+
+def _defects(plan: Plan, missed: Defects, case: Case) -> Array:
+    """Largest defect of each interval as a share of its limit, (N,)."""
+    limits = case.limits
+    shares = (
+        distance(plan, missed.configuration) / limits.defect_position,
+        angle(plan, missed.configuration) / limits.defect_angle,
+        speed(plan, missed.velocity) / limits.defect_velocity,
+        rate(plan, missed.velocity) / limits.defect_rate,
+    )
+    return np.nan_to_num(np.max(shares, axis=0), nan=np.inf, posinf=1e9)
+
+
+def _overshoot(plan: Plan, found: Certificate, case: Case) -> Array:
+    """By how much limits of rates and of the room are passed in each interval, as a share of what is allowed, (N,)."""
+    flight, limits = found.flight, case.limits
+    if flight is None or flight.broken_at is not None:
+        return np.zeros(plan.intervals)
+    rates = np.max(Limited.of(case.model.velocity, flight.velocity).ratio, axis=1) - 1
+    room = Limited.of(case.scenario.limits(case.model), flight.configuration)
+    allowed = np.where(
+        [unit == "m" for unit in room.units], limits.overshoot_position, limits.overshoot_angle
+    )
+    passed = np.max(room.excess / np.maximum(allowed, limits.node), axis=1)
+    worst = np.maximum(rates / max(limits.rate_ratio - 1, limits.node), passed)
+    return np.array([worst[a : b + 1].max() for a, b in zip(flight.nodes, flight.nodes[1:], strict=False)])
