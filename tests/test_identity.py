@@ -28,7 +28,7 @@ def told_by(place: Path) -> tuple[str, str]:
 
 
 def test_runs_that_are_given_one_folder_get_one_each_and_resuming_makes_them_whole(tmp_path: Path) -> None:
-    sweep = ("-m", "+scenario=static,linear", *QUICK[:-1], *SAME, "workers=1")
+    sweep = ("-m", "+scenario=static,linear", *QUICK[:-1], "picture=true", *SAME, "workers=1")
     assert told(tmp_path, *sweep).returncode == 1
     mine = tmp_path / "results" / "mine"
     assert {place.name: told_by(place) for place in mine.glob("same*")} == {

@@ -222,7 +222,7 @@ def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
     with alone, LiveLine(told) as line:
         done = pipeline.run(case, line, place.labels, how.repeats, known)
         line.stage("files", None)
-        return done, pipeline.write(done, place.folder, place.root, written(cfg), how.picture)
+        return done, pipeline.write(done, place.folder, place.root, written(cfg), how.draws(place.sweep))
 
 
 def _check_writable(root: Path) -> None:

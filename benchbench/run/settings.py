@@ -12,6 +12,7 @@ from benchbench.errors import BadInput
 from benchbench.storage.provenance import usable_cpus
 
 Rerun = Literal["missing", "failed", "all"]
+AUTO: Literal["auto"] = "auto"
 _LOWEST = {"workers": 1, "repeats": 1, "hard_limit": 0.1, "memory_limit_mb": 1}
 _WHOLE = ("workers", "repeats")
 
@@ -22,8 +23,8 @@ class Settings:
 
     workers: int
     rerun: Rerun
-    picture: bool
-    """Whether the plan is drawn."""
+    picture: bool | Literal["auto"]
+    """Whether the plan is drawn; "auto": by a single run, see `draws`."""
     repeats: int
     """Solves whose times are recorded; 1 is the one that gives the plan."""
     hard_limit: float
@@ -38,17 +39,22 @@ class Settings:
             _check(name, cfg.get(name), low)
         if cfg.get("rerun", "missing") not in get_args(Rerun):
             raise BadInput("rerun", f"{cfg.get('rerun')!r} was given", ", ".join(get_args(Rerun)))
-        if not isinstance(cfg.get("picture", True), bool):
-            raise BadInput("picture", f"{cfg.get('picture')!r} was given", "true or false")
+        picture = cfg.get("picture", AUTO)
+        if not isinstance(picture, bool) and picture != AUTO:
+            raise BadInput("picture", f"{picture!r} was given", "true, false or auto")
         repeats = cfg.get("repeats") or 1
         return cls(
             workers=cfg.get("workers") or usable_cpus() or 1,
             rerun=cfg.get("rerun", "missing"),
-            picture=cfg.get("picture", True),
+            picture=picture,
             repeats=repeats,
             hard_limit=cfg.get("hard_limit") or (2.0 + repeats) * cfg.time_limit + 60.0,
             memory_limit_mb=cfg.get("memory_limit_mb"),
         )
+
+    def draws(self, sweep: bool) -> bool:
+        """Whether a run draws its plan; one of a sweep only if it is told to, as `benchbench draw` does it later."""
+        return self.picture is True or (self.picture == AUTO and not sweep)
 
 
 NAMES = tuple(field.name for field in fields(Settings))

@@ -27,6 +27,7 @@ USAGE = """BenchBench plans a flight, certifies the plan, stores it and shows it
   benchbench plugins [FAMILY=NAME]        what there is, and whether it works
   benchbench table [DIR ...]              all runs as a table: text, CSV, ...
   benchbench report DIR ...               all runs as one HTML page
+  benchbench draw DIR ...                 pictures of the plans of a sweep
   benchbench best DIR ...                 keep the best certified plans
 
 or python -m benchbench, which is the same.

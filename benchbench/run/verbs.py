@@ -123,7 +123,7 @@ def _run(case: Case | ReadyCase, cfg: DictConfig) -> RunView:
     text, how = written(cfg), Settings.of(cfg)
     with LiveLine() as line:
         done = pipeline.run(case, line, labels, how.repeats, known)
-    return RunView(done.record, text, Live(done, text, how.picture))
+    return RunView(done.record, text, Live(done, text, how.draws(sweep=False)))
 
 
 def _plan(given: pd.DataFrame | Plan, case: Case) -> Plan:

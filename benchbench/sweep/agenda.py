@@ -104,7 +104,7 @@ class Agenda:
                 claims.release(label)
         if code is not None:
             folder = earlier.folder(label)
-            if settings.picture and folder is not None:
+            if settings.draws(sweep=True) and folder is not None:
                 redraw(folder)
             self._listener.skipped(combination, code)
             return False

@@ -103,7 +103,7 @@ class _Pool:
                 hand.take(self._waiting.popleft())
         wanted = max((settings.workers for _, _, settings in self._waiting), default=0)
         if len(self._waiting) > len(self._idle) and len(self._hands) < wanted:
-            drawing = any(settings.picture for _, _, settings in self._waiting)
+            drawing = any(settings.draws(sweep=True) for _, _, settings in self._waiting)
             self._hands.append(Hand(self._search_path, drawing))
 
     def _hear(self, hand: Hand) -> Ends:
