@@ -128,6 +128,7 @@ def test_files_come_back_without_a_shared_file_system(
             "strategy=phases",
             "strategy.margin=0",
             "scenario.intervals=12",
+            "picture=true",
             "hydra.mode=MULTIRUN",
         ]
         cfg = hydra.compose("config", overrides, return_hydra_config=True)
