@@ -10,7 +10,7 @@ from flights import Polynomial, table_one
 from test_certificate import LIMITS
 
 from benchbench.arrays import Array
-from benchbench.certificate.bound import STEP, sequence_bound
+from benchbench.certificate.bound import STEP, arm_reach, sequence_bound
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.window_bound import window_bounds
 from benchbench.ocp.handover import Handover
@@ -35,6 +35,12 @@ def flight(target: Any, end: float = 2.5, **changes: Any) -> Handover:
     if target is not None:
         fields["target"] = Polynomial(0.0, np.array(target, float))
     return Handover(**(fields | changes))
+
+
+@pytest.mark.parametrize("attitude", ["euler", "quaternion"])
+def test_the_arm_reaches_farthest_hanging_down(attitude: str) -> None:
+    model = table_one(attitude=attitude)
+    assert ARM - 4e-5 <= arm_reach(model, model.plant()) <= ARM + 1e-12
 
 
 def one(task: Handover, first: float, last: float, limits: Limits = LIMITS) -> float:

@@ -163,10 +163,18 @@ def test_what_is_curved_is_reached_by_newtons_steps() -> None:
     np.testing.assert_allclose(moved, [0.0, 0.6, 0.8], atol=1e-10)
 
 
-def test_a_point_that_newtons_steps_only_lead_away_from_stays() -> None:
-    """x_2^2 + 1 = 0 is true nowhere: from 0.6 to -0.53, 0.67, -0.41, and 1.01, which is worst."""
-    local = flat(equal=lambda x: [x[2] ** 2 + 1])
-    x = np.array([0.5, 0.5, 0.6])
+@pytest.mark.parametrize(("near", "bound"), [(2.0001, 2.0), (1.9999, 2.0), (4.9999, 5.0), (5.0001, 5.0)])
+def test_a_point_is_moved_to_the_bound_that_is_active(near: float, bound: float) -> None:
+    local = flat([-INF, -INF, 2.0], [INF, INF, 5.0])
+    x = np.array([0.5, 0.5, near])
+    np.testing.assert_allclose(local.snapped(x, local.active(x, 1e-3)), [0.5, 0.5, bound], atol=1e-9)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-3])
+def test_a_point_that_newtons_steps_only_lead_away_from_stays(scale: float) -> None:
+    """x_2^2 + 1 = 0 is true nowhere: from 0.6 to -0.53, 0.67, -0.41, and 1.01, which is worst; or all that a thousandth."""
+    local = flat(equal=lambda x: [x[2] ** 2 + scale**2])
+    x = np.array([0.5, 0.5, 0.6 * scale])
     assert local.snapped(x, local.active(x, 1e-3)) is x
 
 

@@ -197,6 +197,13 @@ def test_the_replay_starts_again_at_the_node_nearest_to_a_gate(up: float, node: 
     assert len(nodes) == (1 if node is None else 2)
 
 
+def test_the_replay_also_starts_again_after_some_seconds() -> None:
+    """1 s, 2 s, where the gate is, and 3 s."""
+    often = LIMITS.model_copy(update={"restart_seconds": 1.0})
+    found = certify(climb(), race(), vehicle(), often)
+    assert found.flight is not None and found.flight.restarts == (5, 10, 15)
+
+
 def test_a_segment_is_flown_from_the_gate_before() -> None:
     """One per cent less thrust before the gate: 0.118 m/s^2 for 2 s. After it the flight starts anew."""
     plan = climb()
