@@ -20,6 +20,7 @@ from benchbench.nlp.availability import Availability, works
 from benchbench.nlp.solver import Accuracy, Setup
 from benchbench.ocp.kinds import OWN as OWN_KINDS
 from benchbench.run import config
+from benchbench.run.choice import choice
 
 OWN = "benchbench"
 
@@ -116,8 +117,8 @@ def _composed(family: str, name: str) -> dict[str, Any]:
     if not GlobalHydra.instance().is_initialized():
         with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
             return _composed(family, name)
-    fields = hydra.compose("config", [f"{family}={name}"])[family]
-    return {str(k): v for k, v in OmegaConf.to_container(fields, resolve=True).items()}  # type: ignore[union-attr]
+    fields = OmegaConf.to_container(choice(family, name), resolve=True)
+    return {str(k): v for k, v in fields.items()}  # type: ignore[union-attr]
 
 
 def _class(fields: dict[str, Any]) -> type:

@@ -11,10 +11,11 @@ import hydra
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.object_type import ObjectType
 from hydra.errors import InstantiationException
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import OmegaConf
 
 from benchbench.registry import installed
 from benchbench.run import config, plugin_choices
+from benchbench.run.choice import choice
 
 GROUPS = {"models": "vehicle"} | {
     family: group for family, group in plugin_choices.GROUPS.items() if family not in ("peers", "motions")
@@ -75,35 +76,10 @@ def _settings(group: str) -> Iterator[tuple[str, dict[str, Any]]]:
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
         for name in GlobalHydra.instance().config_loader().get_group_options(group, ObjectType.CONFIG):
             try:
-                composed = OmegaConf.to_container(_composed(group, name), resolve=True)
+                composed = OmegaConf.to_container(choice(group, name), resolve=True)
             except Exception as error:  # noqa: BLE001  # a YAML file can be wrong in any way
                 composed = {"error": f"{group}/{name}: {error}"}
             yield name, _innermost(composed)
-
-
-def _composed(group: str, name: str) -> DictConfig:
-    """One choice of a group; alone where the program has no such choice by itself (parts of scenarios)."""
-    alone = _alone(f"{group}/{name}")
-    if alone is not None:
-        return alone
-    if group in config.FAMILIES:
-        return hydra.compose("config", [f"{group}={name}"])[group]  # it may change other choices
-    return hydra.compose(f"{group}/{name}")
-
-
-def _alone(path: str) -> DictConfig | None:
-    """What a file or a plugin says by itself: composing takes a tenth of a second, and there are many files."""
-    for source in GlobalHydra.instance().config_loader().get_sources():
-        if source.is_config(path):
-            found = source.load_config(path).config
-            if (
-                isinstance(found, DictConfig)
-                and "defaults" not in found
-                and "${" not in OmegaConf.to_yaml(found)
-            ):
-                return found
-            return None
-    return None
 
 
 def _innermost(tree: Any) -> dict[str, Any]:

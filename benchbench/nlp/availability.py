@@ -1,18 +1,22 @@
 """Does a backend work here? Found out in a child process, because a missing library can end a process.
 
-`python -m benchbench.nlp.availability` reads a solver's configuration (JSON) on stdin, solves a tiny problem
-with it, and ends with 0, or with 3 and the reason as its last line.
+The children are forked by one process that has imported what all need, where the system can fork.
 """
 
 from __future__ import annotations
 
 import json
+import os
 import signal
-import subprocess
-import sys
+import tempfile
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
+from importlib import import_module
+from multiprocessing import get_all_start_methods, get_context
+from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,8 +25,8 @@ from benchbench.errors import BenchBenchError, Unavailable
 from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Point, Setup
 
-REFUSED = 3
-"""Exit code of a child that knows why it does not work."""
+IMPORTED = ("casadi", "hydra", __name__)
+"""Modules of the process that forks."""
 
 
 @dataclass(frozen=True)
@@ -35,24 +39,44 @@ class Availability:
 
 def works(config: Mapping[str, Any], seconds: float = 60.0) -> Availability:
     """Try a solver, given as the configuration that makes it (`_target_` and fields)."""
-    return ask("benchbench.nlp.availability", json.dumps(config, sort_keys=True), seconds)
+    return ask(__name__, json.dumps(config, sort_keys=True), seconds)
 
 
 @cache
 def ask(module: str, question: str, seconds: float = 60.0) -> Availability:
-    """Run `python -m module` on a question (JSON on stdin); see the module docstring for how it answers."""
-    try:
-        child = subprocess.run(
-            [sys.executable, "-m", module], input=question, capture_output=True, text=True, timeout=seconds, check=False
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        return Availability(False, f"a tiny problem was not solved within {seconds:g} s")
-    if child.returncode == 0:
-        return Availability(True)
-    if child.returncode < 0:
-        return Availability(False, f"it ends the process ({signal.Signals(-child.returncode).name})")
-    lines = (child.stdout if child.returncode == REFUSED else child.stderr).strip().splitlines()
-    return Availability(False, lines[-1] if lines else f"it ends the process (exit code {child.returncode})")
+    """Call `fault(question)` of a module in a child; it returns why something does not work, "" if it does."""
+    forks = "forkserver" in get_all_start_methods()
+    context = get_context("forkserver") if forks else get_context("spawn")
+    context.set_forkserver_preload(list(IMPORTED))  # heard once, when the process starts
+    ours, theirs = context.Pipe(duplex=False)
+    with ours, tempfile.NamedTemporaryFile() as printed:
+        child = context.Process(target=_answer, args=(module, question, theirs, printed.name))
+        child.start()
+        theirs.close()
+        child.join(seconds)
+        if child.exitcode is None:
+            child.kill()
+            child.join()
+            return Availability(False, f"a tiny problem was not solved within {seconds:g} s")
+        with suppress(EOFError):  # it ended before it had said anything
+            said = str(ours.recv())
+            return Availability(not said, said)
+        return Availability(False, _death(child.exitcode, Path(printed.name).read_text(errors="replace")))
+
+
+def _answer(module: str, question: str, channel: Connection, printed: str) -> None:
+    """Be the child; what it prints goes to a file."""
+    with open(printed, "wb") as file:
+        os.dup2(file.fileno(), 1)
+        os.dup2(file.fileno(), 2)
+    channel.send(import_module(module).fault(question))
+
+
+def _death(code: int, printed: str) -> str:
+    if code < 0:
+        return f"it ends the process ({signal.Signals(-code).name})"
+    lines = printed.strip().splitlines()
+    return lines[-1] if lines else f"it ends the process (exit code {code})"
 
 
 def tiny() -> tuple[Mpcc, np.ndarray]:
@@ -67,10 +91,11 @@ def tiny() -> tuple[Mpcc, np.ndarray]:
     return Mpcc((state, u), (dynamics,), (cost,)), np.array([0.0, 1.0, 2.0, 3.0, 1.0, 1.0, 1.0])
 
 
-def _try(config: Mapping[str, Any]) -> str:
-    """Return why a solver does not work, "" if it does."""
+def fault(question: str) -> str:
+    """Return why the solver of a configuration (JSON) does not work, "" if it does."""
     import hydra
 
+    config = json.loads(question)
     problem, solution = tiny()
     try:
         solver = hydra.utils.instantiate(config, _convert_="all")
@@ -83,9 +108,3 @@ def _try(config: Mapping[str, Any]) -> str:
     if outcome.claim != "solved" or not wrong < 1e-3:
         return f"it did not solve a tiny problem (claim {outcome.claim}, {outcome.detail or 'no detail'}, error {wrong:.1e})"
     return ""
-
-
-if __name__ == "__main__":
-    answer = _try(json.load(sys.stdin))
-    print(answer)
-    raise SystemExit(REFUSED if answer else 0)
