@@ -20,8 +20,9 @@ from benchbench.cli.commands import best
 from benchbench.cli.report_content import content
 from benchbench.errors import BadInput
 from benchbench.mpcc.cache import cache_root, private
+from benchbench.ocp.reading import DEEPEST
 from benchbench.run import config, trust
-from benchbench.storage.configuration import DEEPEST, LARGEST, configuration, read
+from benchbench.storage.configuration import LARGEST, configuration, read
 from benchbench.storage.formats import csv
 from benchbench.storage.schema import make_record
 from benchbench_plugins.collections.nosbench import MpccFile

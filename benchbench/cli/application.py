@@ -29,6 +29,9 @@ from benchbench.sweep.single import isolated, limited
 from benchbench.sweep.sweep import Swept, sweep
 from benchbench.sweep.task import Engine
 
+NOTHING = ("", "''", '""', "null")
+"""Values of an override that say nothing."""
+
 
 def start(arguments: Sequence[str]) -> int:
     """Do what the command line asks and return the exit code."""
@@ -74,6 +77,7 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
     if not arguments:
         raise BadInput("scenario", "none was chosen", "+scenario=NAME with a NAME from the list above")
     options.overrides = _complete(options, arguments)
+    _check_output(options.overrides)
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach us, we say them in one message
     call = _Invocation(traced)
     compose_and_run(options, call)
@@ -98,6 +102,14 @@ def _complete(options: Namespace, arguments: Sequence[str]) -> list[str]:
     behind = len(sys.argv) - sys.argv[::-1].index(given[-1])  # options may follow the overrides
     sys.argv[behind:behind] = meant[len(given) :]
     return meant
+
+
+def _check_output(overrides: Sequence[str]) -> None:
+    """Raise BadInput for what names no folder of results, before Hydra makes one of that name."""
+    for text in overrides:
+        key, _, value = text.lstrip("+").partition("=")
+        if key == "output" and (value.strip() in NOTHING or value.strip()[0] in "[{"):
+            raise BadInput("output", f"'{value}' was given", "the path of a folder")
 
 
 def _choices(family: str, more: str | None) -> list[str]:

@@ -14,6 +14,7 @@ from benchbench.ocp.contact import Contact, Contacts
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.scenario import Ends, NonNegative, Positive, Scenario, Share, at_rest, point, straight
+from benchbench.ocp.sizes import Intervals, Nodes
 from benchbench.ocp.stop import Itinerary, Order, Stop, Visit
 
 
@@ -31,7 +32,7 @@ class StopFields(BaseModel):
 
     target: InstanceOf[Motion]
     contacts: dict[str, InstanceOf[Contact]] | None = None
-    kappa_init: Annotated[int, Field(ge=1)] | None = None
+    kappa_init: Nodes | None = None
     contact_seconds: NonNegative | None = None
     reward: Positive | None = None
 
@@ -63,11 +64,11 @@ class Handover(Scenario):
     order: Order = "fixed"
     visit: Visit = "all"
     contacts: dict[str, InstanceOf[Contact]]
-    kappa_init: Annotated[int, Field(ge=1)] = 2
-    kappa_grid: Annotated[int, Field(ge=4)] | None = None
+    kappa_init: Nodes = 2
+    kappa_grid: Intervals | None = None
     contact_seconds: NonNegative | None = None
     contact_guess: Annotated[float, Field(gt=0, lt=1)] = 0.42
-    intervals: Annotated[int, Field(ge=4)] = 100
+    intervals: Intervals = 100
     contact_margin: dict[str, Share] = Field(default_factory=dict)
 
     @model_validator(mode="before")

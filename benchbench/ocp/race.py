@@ -14,6 +14,7 @@ from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Ends, Finite, NonNegative, Positive, Scenario, at_rest, point
+from benchbench.ocp.sizes import GATES, Intervals
 from benchbench.ocp.stop import Itinerary, Order
 from benchbench.ocp.track import Gate, Track
 from benchbench.ocp.track_file import TRACKS, is_point, read
@@ -60,11 +61,11 @@ class Race(Scenario):
     track: str | Path | tuple[Any, ...]
     order: Order = "fixed"
     sequence: tuple[int, ...] = ()
-    gates: Annotated[int, Field(ge=1)] | None = None
+    gates: Annotated[int, Field(ge=1, le=GATES)] | None = None
     radius: Positive = 0.3
     end_radius: Positive | None = None
     end_velocity: str | tuple[Finite, Finite, Finite] = "free"
-    nodes_per_gate: Annotated[int, Field(ge=4)] = 40
+    nodes_per_gate: Intervals = 40
     gate_margin: Annotated[NonNegative, Field(lt=1)] = 0.0
     speed_guess: Positive = 5.0
     input_cost: NonNegative = 0.0

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
-import yaml  # type: ignore[import-untyped]
 
 from benchbench.errors import BadInput, unknown_field
+from benchbench.ocp.reading import content, plain_yaml
+from benchbench.ocp.sizes import GATES, TRACK_BYTES
 from benchbench.ocp.track import EXACT, Direction, Gate, Opening, Track, Triple, triple
 
 FIELD = "scenario.track"
@@ -27,8 +28,6 @@ COLUMNS = (
 )
 """Names in a CSV file, where a cell holds one number."""
 PARTS = ("start", "lap", "end", "radius", "gates")
-LARGEST = 10_000_000
-"""Bytes of a track file that is still read."""
 TRACKS = "a list of gates, or the path of a .yaml or .csv file"
 FORM = "rows of x, y, z and, where wanted, radius and order, all finite numbers in m"
 
@@ -50,14 +49,7 @@ def read(source: str | Path | Sequence[Any], radius: float, said: bool = False) 
     kinds = {".yaml": _yaml, ".yml": _yaml, ".csv": _csv}
     if path.suffix.lower() not in kinds:
         raise BadInput(FIELD, f"'{path}' is no track", TRACKS)
-    try:
-        if path.stat().st_size > LARGEST:
-            raise BadInput(FIELD, f"'{path}' is larger than {LARGEST / 1e6:g} MB", "a file of fewer gates")
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        why = error.strerror if isinstance(error, OSError) else "it is no text"
-        raise BadInput(FIELD, f"cannot read '{path}': {why}", "a .yaml or .csv file") from None
-    return kinds[path.suffix.lower()](text, radius, said)
+    return kinds[path.suffix.lower()](_text(path), radius, said)
 
 
 def beside_the_lap(source: Any) -> dict[str, Any]:
@@ -65,8 +57,8 @@ def beside_the_lap(source: Any) -> dict[str, Any]:
     if not isinstance(source, str | Path) or Path(source).suffix.lower() not in (".yaml", ".yml"):
         return {}
     try:
-        found = yaml.safe_load(Path(source).read_text(encoding="utf-8-sig"))
-    except (OSError, ValueError, RecursionError, yaml.YAMLError):
+        found = plain_yaml(_text(Path(source)))
+    except (BadInput, ValueError):
         return {}  # told when it is read
     told = found if isinstance(found, dict) else {}
     said = {name: told[name] for name in ("start", "end", "radius", "gates") if told.get(name) is not None}
@@ -75,6 +67,13 @@ def beside_the_lap(source: Any) -> dict[str, Any]:
         f"{name}.{axis}": x for name, place in points.items() for axis, x in zip("xyz", place, strict=True)
     }
     return axes | {name: value for name, value in said.items() if name not in points}
+
+
+def _text(path: Path) -> str:
+    try:
+        return content(path, FIELD, TRACK_BYTES, "a .yaml or .csv file").decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise BadInput(FIELD, f"cannot read '{path}': it is no text", "a .yaml or .csv file") from None
 
 
 def _csv(text: str, radius: float, said: bool) -> Track:
@@ -109,9 +108,9 @@ def _cells(header: Sequence[str], row: Sequence[str]) -> dict[str, Any]:
 
 def _yaml(text: str, radius: float, said: bool) -> Track:
     try:
-        found = yaml.safe_load(text)
-    except (yaml.YAMLError, RecursionError) as error:
-        raise BadInput(FIELD, f"is no YAML: {' '.join(str(error).split())[:120]}") from None
+        found = plain_yaml(text)
+    except ValueError as error:
+        raise BadInput(FIELD, str(error)) from None
     if isinstance(found, list):
         return Track(_gates(found, radius))
     if not isinstance(found, dict) or "lap" not in found:
@@ -122,8 +121,10 @@ def _yaml(text: str, radius: float, said: bool) -> Track:
     own = _number(found.get("radius", radius), f"{FIELD}.radius")
     radius = radius if said else own
     count = found.get("gates")
-    if count is not None and (not isinstance(count, int) or isinstance(count, bool) or count < 1):
-        raise BadInput(f"{FIELD}.gates", f"{count!r} was given", "a whole number of at least 1")
+    if count is not None and (
+        not isinstance(count, int) or isinstance(count, bool) or not 1 <= count <= GATES
+    ):
+        raise BadInput(f"{FIELD}.gates", f"{count!r} was given", f"a whole number from 1 to {GATES}")
     start, end = (
         None if found.get(k) is None else _point(found[k], f"{FIELD}.{k}") for k in ("start", "end")
     )
@@ -133,6 +134,8 @@ def _yaml(text: str, radius: float, said: bool) -> Track:
 def _gates(source: Any, radius: float) -> tuple[Gate, ...]:
     if not isinstance(source, Sequence) or isinstance(source, str) or not source:
         raise BadInput(FIELD, "has no gates" if not source else f"{source!r} was given", "one gate or more")
+    if len(source) > GATES:
+        raise BadInput(FIELD, f"has {len(source)} gates", f"at most {GATES}")
     found = [_gate(row, f"{FIELD}, gate {i}", radius) for i, row in enumerate(source, 1)]
     orders = [order for order, _ in found if order is not None]
     if orders and (len(orders) < len(found) or len(set(orders)) < len(orders)):
@@ -234,7 +237,7 @@ def is_point(values: Any) -> bool:
 def _number(value: Any, field: str, allowed: str = FORM) -> float:
     try:
         number = float(value) if not isinstance(value, bool) else math.nan
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
         raise BadInput(field, f"{value!r} was given", allowed)

@@ -19,6 +19,7 @@ from benchbench.ocp.model import LagrangianModel, RacingModel
 from benchbench.ocp.motion import sample
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.sizes import INTERVALS
 from benchbench.ocp.stop import Stop
 from benchbench.planning.case import AnyCase, Case
 
@@ -64,6 +65,10 @@ def numbers(case: Case) -> None:
     """Raise BadInput for counts and durations that do not fit into each other."""
     scenario = case.scenario
     stops = scenario.itinerary.listed
+    if scenario.grid_intervals > INTERVALS:
+        problem = f"the grid has {scenario.grid_intervals} intervals"
+        field = "nodes_per_gate" if isinstance(scenario, Race) else "intervals"
+        raise BadInput(f"scenario.{field}", problem, f"at most {INTERVALS} in all")
     most = (
         scenario.grid_intervals - len(stops) - 1
     )  # one interval to come, one from stop to stop, one to leave

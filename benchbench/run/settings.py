@@ -13,7 +13,9 @@ from benchbench.storage.provenance import usable_cpus
 
 Rerun = Literal["missing", "failed", "all"]
 AUTO: Literal["auto"] = "auto"
-_LOWEST = {"workers": 1, "repeats": 1, "hard_limit": 0.1, "memory_limit_mb": 1}
+_RANGES = {
+    "workers": (1, 1024), "repeats": (1, 10_000), "hard_limit": (0.1, 1e9), "memory_limit_mb": (1, 1e9),
+}  # fmt: skip
 _WHOLE = ("workers", "repeats")
 
 
@@ -35,8 +37,8 @@ class Settings:
     @classmethod
     def of(cls, cfg: DictConfig) -> Self:
         """Read and check them; raises BadInput."""
-        for name, low in _LOWEST.items():
-            _check(name, cfg.get(name), low)
+        for name, (low, high) in _RANGES.items():
+            _check(name, cfg.get(name), low, high)
         if cfg.get("rerun", "missing") not in get_args(Rerun):
             raise BadInput("rerun", f"{cfg.get('rerun')!r} was given", ", ".join(get_args(Rerun)))
         picture = cfg.get("picture", AUTO)
@@ -62,9 +64,9 @@ NOT_DECISIVE = ("output", "on_step", *NAMES)
 """Fields of the configuration that do not change what a run computes; its hash leaves them out."""
 
 
-def _check(name: str, value: object, low: float) -> None:
+def _check(name: str, value: object, low: float, high: float) -> None:
     kinds = (int,) if name in _WHOLE else (int, float)
     fits = isinstance(value, kinds) and not isinstance(value, bool) and math.isfinite(value)
-    if value is not None and not (fits and low <= value):  # type: ignore[operator]
+    if value is not None and not (fits and low <= value <= high):  # type: ignore[operator]
         kind = "whole number" if name in _WHOLE else "number"
-        raise BadInput(name, f"{value!r} was given", f"a {kind} of at least {low:g}, or null")
+        raise BadInput(name, f"{value!r} was given", f"a {kind} from {low:g} to {high:g}, or null")

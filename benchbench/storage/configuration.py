@@ -5,16 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import yaml  # type: ignore[import-untyped]
+from benchbench.ocp.reading import plain_yaml
 
 PLACES = ("config.yaml", ".hydra/config.yaml")
 """Where it lies: with a plan, and where Hydra puts it before the run begins."""
 LARGEST = 1_000_000
 """Bytes of a file that is still read."""
-MOST = 100_000
-"""Values in it; a few aliases in a short file can stand for billions."""
-DEEPEST = 50
-"""Levels of nesting."""
 
 
 def configuration(folder: Path | None) -> dict[str, Any] | None:
@@ -39,19 +35,6 @@ def read(path: Path) -> Any:
     if len(text) > LARGEST:
         raise ValueError(f"'{path}' is larger than {LARGEST} bytes")
     try:
-        values = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except (yaml.YAMLError, UnicodeError, RecursionError) as error:
-        raise ValueError(f"'{path}' is no YAML: {str(error).splitlines()[0]}") from None
-    return _plain(values, [MOST], 0)
-
-
-def _plain(value: Any, left: list[int], depth: int) -> Any:
-    """A copy without shared parts; raises ValueError for too much of it."""
-    left[0] -= 1
-    if left[0] < 0 or depth > DEEPEST:
-        raise ValueError("a configuration with too many values, too deep, or one that refers to itself")
-    if isinstance(value, dict):
-        return {key: _plain(inner, left, depth + 1) for key, inner in value.items()}
-    if isinstance(value, list):
-        return [_plain(inner, left, depth + 1) for inner in value]
-    return value
+        return plain_yaml(text)
+    except ValueError as error:
+        raise ValueError(f"'{path}' {error}") from None

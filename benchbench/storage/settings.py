@@ -13,7 +13,8 @@ from typing import Any, final
 
 import yaml  # type: ignore[import-untyped]
 
-from benchbench.storage.configuration import DEEPEST, LARGEST, PLACES, configuration
+from benchbench.ocp.reading import DEEPEST
+from benchbench.storage.configuration import LARGEST, PLACES, configuration
 
 Settings = Mapping[str, Any]
 """One configuration, flat: "relaxation.schedule" -> value."""

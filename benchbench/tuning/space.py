@@ -15,6 +15,7 @@ from optuna.distributions import (
 )
 
 from benchbench.errors import BadInput
+from benchbench.run.sweep_size import check_size
 
 GRAMMAR = (
     "choice(a,b), range(first,last,step), interval(low,high), tag(log,interval(low,high)), int(interval(1,9))"
@@ -38,9 +39,9 @@ def read(arguments: Sequence[str], over: Sequence[str]) -> SearchSpace:
     tuned: dict[str, BaseDistribution] = {}
     problems: list[tuple[str, ...]] = [()]
     fixed = []
-    for text, parsed in zip(
-        arguments, OverridesParser.create().parse_overrides(list(arguments)), strict=True
-    ):
+    overrides = OverridesParser.create().parse_overrides(list(arguments))
+    check_size([one for one in overrides if one.key_or_group in over])
+    for text, parsed in zip(arguments, overrides, strict=True):
         if not parsed.is_sweep_override():
             fixed.append(text)
         elif parsed.key_or_group in over:
@@ -69,9 +70,8 @@ def _distribution(override: Override) -> BaseDistribution:
                 else FloatDistribution(low, high, log=log)
             )
         if isinstance(sweep, RangeSweep):
+            check_size([override])
             values = list(sweep.range())
-            if not values:
-                raise ValueError("the range is empty")
             return CategoricalDistribution(tuple(str(value) for value in values))
         return CategoricalDistribution(tuple(override.sweep_string_iterator()))
     except ValueError as error:

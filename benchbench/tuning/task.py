@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 SAMPLERS = ("tpe", "nsga2", "random")
 PRUNE = ("problems", "steps")
+TRIALS = 1_000_000
 TRIES = 8
 """How often to try to open a database that answers with an error."""
 
@@ -56,10 +57,9 @@ class StudySettings:
             raise BadInput("hydra.sweeper.objectives", "none was given", "[travel_time_s, solve_cpu_s]")
         if sampler not in SAMPLERS:
             raise BadInput("hydra.sweeper.sampler", f"{sampler!r} was given", ", ".join(SAMPLERS))
-        if not isinstance(n_trials, int) or isinstance(n_trials, bool) or n_trials < 1:
-            raise BadInput(
-                "hydra.sweeper.n_trials", f"{n_trials!r} was given", "a whole number of at least 1"
-            )
+        if not isinstance(n_trials, int) or isinstance(n_trials, bool) or not 1 <= n_trials <= TRIALS:
+            wanted = f"a whole number from 1 to {TRIALS}"
+            raise BadInput("hydra.sweeper.n_trials", f"{n_trials!r} was given", wanted)
         if seed is not None and (
             isinstance(seed, bool) or not isinstance(seed, int) or not 0 <= seed < 2**32
         ):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import io
 import json
 import zlib
 from collections.abc import Mapping
@@ -17,9 +18,12 @@ from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.ready import ReadyMade, whole
+from benchbench.ocp.reading import content
+from benchbench.ocp.sizes import JSON_BYTES
 from benchbench_plugins.collections.serialized import foreign
 
 FUNCTIONS = {"f": "augmented_objective_fun", "g": "g_fun", "G": "G_fun", "H": "H_fun"}
+FORM = "a JSON file as in NOSBENCH, also gzipped"
 NUMBERS = ("w0", "lbw", "ubw", "lbg", "ubg", "p0")
 
 
@@ -60,21 +64,22 @@ class MpccFile(ReadyMade):
         return ca.Function.deserialize(text)
 
     def _read(self) -> Mapping[str, Any]:
+        data = content(self.path, "scenario.path", JSON_BYTES, FORM)
         try:
-            data = self.path.read_bytes()
-            told = json.loads(gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data)
-        except OSError as error:
-            raise self._wrong(f"cannot be read: {error.strerror or error}") from None
-        except (ValueError, EOFError, RecursionError, zlib.error) as error:
+            if data[:2] == b"\x1f\x8b":
+                with gzip.open(io.BytesIO(data)) as packed:
+                    data = packed.read(JSON_BYTES + 1)
+            if len(data) > JSON_BYTES:
+                raise self._wrong(f"is larger than {JSON_BYTES / 1e6:g} MB, unpacked")
+            told = json.loads(data)
+        except (OSError, ValueError, EOFError, RecursionError, zlib.error) as error:
             raise self._wrong(f"is no JSON: {error}") from None
         if not isinstance(told, dict):
             raise self._wrong("is no JSON object")
         return told
 
     def _wrong(self, problem: str) -> BadInput:
-        return BadInput(
-            "scenario.path", f"'{self.path}' {problem}", "a JSON file as in NOSBENCH, also gzipped"
-        )
+        return BadInput("scenario.path", f"'{self.path}' {problem}", FORM)
 
 
 def _numbers(key: str, value: Any) -> Array:

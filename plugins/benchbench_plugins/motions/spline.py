@@ -12,6 +12,8 @@ from pydantic.dataclasses import dataclass
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.motion import Motion
+from benchbench.ocp.reading import content
+from benchbench.ocp.sizes import CSV_BYTES, POINTS
 
 FIELD = "scenario.target.csv"
 
@@ -30,16 +32,16 @@ class Spline(Motion):
     def points(self) -> Array:
         """The rows of the file, (n, 4); raises BadInput when the file is missing or malformed."""
         try:
-            header, *lines = self.csv.read_text(encoding="utf-8-sig").splitlines() or [""]
+            header, *lines = _text(self.csv).splitlines() or [""]
             if [name.strip() for name in header.split(",")] != ["t", "x", "y", "z"]:
                 raise BadInput(FIELD, f"has the header '{header[:40]}'", "t,x,y,z")
             table = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.zeros((0, 4))
-        except OSError:
-            raise BadInput(FIELD, f"cannot read '{self.csv}'", "a CSV file with the header t,x,y,z") from None
         except ValueError as error:
             raise BadInput(FIELD, str(error), "numbers in four columns t,x,y,z") from None
         if table.shape[1] != 4 or len(table) < 3 or not np.all(np.isfinite(table)):
             raise BadInput(FIELD, f"has shape {table.shape}", "at least 3 rows of finite t,x,y,z")
+        if len(table) > POINTS:
+            raise BadInput(FIELD, f"has {len(table)} rows", f"at most {POINTS}")
         if np.any(np.diff(table[:, 0]) <= 0):
             raise BadInput(FIELD, "times do not increase", "strictly increasing t")
         return table
@@ -72,3 +74,7 @@ class Spline(Motion):
     def _piece(numbers: ca.SX, s: ca.SX) -> ca.SX:
         a, b, c, d = (numbers[1 + 3 * i : 4 + 3 * i] for i in range(4))
         return a + s * (b + s * (c + s * d))
+
+
+def _text(path: Path) -> str:
+    return content(path, FIELD, CSV_BYTES, "a CSV file with the header t,x,y,z").decode("utf-8-sig")

@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
+from benchbench.ocp.sizes import Tries
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.disturb import disturbed
 from benchbench.planning.loop import Loop, Refinement
@@ -31,8 +32,8 @@ class Auto(Strategy):
     finer: Annotated[int, Field(ge=1, le=64)] = 8
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
     refinement: Refinement = "local"
-    starts: Annotated[int, Field(ge=1)] = 4
-    patience: Annotated[int, Field(ge=1)] = 400
+    starts: Tries = 4
+    patience: Tries = 400
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Return the first certified result; without one that with the fewest broken limits."""

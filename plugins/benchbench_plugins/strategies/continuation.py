@@ -14,6 +14,7 @@ from benchbench.nlp.homotopy import Path, Solved, homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.method import Method
 from benchbench.nlp.relaxation import Relaxation
+from benchbench.ocp.sizes import TRIES
 from benchbench.planning.case import Case, MpccStrategy
 from benchbench.planning.result import Result
 
@@ -33,7 +34,7 @@ class Continuation(MpccStrategy):
     first: float = Field(default=1.0, gt=0)
     last: float = Field(default=1e-9, gt=0)
     factor: float = Field(default=0.1, gt=0, lt=1)
-    retries: int = Field(default=5, ge=0)
+    retries: int = Field(default=5, ge=0, le=TRIES)
 
     def __post_init__(self) -> None:
         """Refuse a path that leads upwards; raises BadInput."""

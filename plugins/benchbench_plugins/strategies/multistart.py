@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, final
+from typing import final
 
-from pydantic import ConfigDict, Field, InstanceOf
+from pydantic import ConfigDict, InstanceOf
 from pydantic.dataclasses import dataclass
 
 from benchbench.analysis.wilson import wilson
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.sizes import Tries
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge, planned
@@ -28,7 +29,7 @@ class Multistart(Strategy):
     """
 
     of: InstanceOf[Strategy]
-    starts: Annotated[int, Field(ge=1)] = 10
+    starts: Tries = 10
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Solve, judge, count; spent time ends it early."""

@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
+from benchbench.ocp.sizes import Tries
 from benchbench.planning import posing
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import GivenStart
@@ -28,8 +29,8 @@ class Phases(Strategy):
     for, up to `margin` (a share of a limit), instead of the scenario's; with margin 0 the scenario's.
     """
 
-    attempts: Annotated[int, Field(ge=1)] = 4
-    patience: Annotated[int, Field(ge=1)] = 400
+    attempts: Tries = 4
+    patience: Tries = 400
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
 
     def solve(self, case: Case, ledger: Ledger) -> Result:

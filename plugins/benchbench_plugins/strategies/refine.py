@@ -10,6 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.sizes import INTERVALS
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import GivenStart
 from benchbench.planning.result import Result
@@ -28,8 +29,8 @@ class Refine(Strategy):
     """
 
     of: InstanceOf[Strategy]
-    coarsest: Annotated[int, Field(ge=8)] = 25
-    finest: Annotated[int, Field(ge=8)] = 400
+    coarsest: Annotated[int, Field(ge=8, le=INTERVALS)] = 25
+    finest: Annotated[int, Field(ge=8, le=INTERVALS)] = 400
     tolerance: Annotated[float, Field(gt=0, lt=1)] = 0.005
 
     def __post_init__(self) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.config_store import ConfigStore
+from hydra.core.override_parser.types import Override
 from hydra.core.plugins import Plugins
 from hydra.core.utils import JobReturn, JobStatus, configure_log, setup_globals
 from hydra.plugins.launcher import Launcher
@@ -101,6 +102,19 @@ class ChoiceSweeper(BasicSweeper):
 
     Hydra's own composes them all beforehand, which takes 0.1 s for each.
     """
+
+    @staticmethod
+    def split_arguments(overrides: list[Override], max_batch_size: int | None) -> list[list[list[str]]]:
+        """List the combinations, no more than anybody waits for. Raises BadInput."""
+        from benchbench.errors import BadInput
+        from benchbench.run.sweep_size import check_size
+
+        check_size(overrides)
+        if max_batch_size is not None and not max_batch_size > 0:
+            problem = f"{max_batch_size!r} was given"
+            raise BadInput("hydra.sweeper.max_batch_size", problem, "null, or a whole number of at least 1")
+        listed: list[list[list[str]]] = BasicSweeper.split_arguments(overrides, max_batch_size)
+        return listed
 
     def validate_batch_is_legal(self, batch: Sequence[Sequence[str]]) -> None:
         """Raise what Hydra does for a combination that cannot be composed."""
