@@ -6,6 +6,7 @@ import contextlib
 import errno
 import hashlib
 import json
+import shutil
 import tempfile
 import time
 import traceback
@@ -36,6 +37,8 @@ NO_INPUT = (*KILLED, NoPlan)
 """Errors that are about neither the input nor our own code."""
 LONGEST_TRACE = 20_000
 """Characters of a traceback that are kept."""
+HYDRA = ".hydra"
+"""Folder in which Hydra notes what it was told, before a run begins."""
 FULL = (errno.ENOSPC, errno.EDQUOT)
 """Numbers of the system's errors for a disk, or a user's share of it, that is full."""
 
@@ -159,8 +162,7 @@ def failure(error: BaseException, cfg: DictConfig, place: Place | None, **column
             also = () if isinstance(told, BadInput) and told.field == "output" else said
             return Ended(BAD_INPUT, None, {}, (*also, Complaint("bad input", str(refused))))
         return Ended(code, record, {}, said)
-    with contextlib.suppress(OSError):
-        place.folder.rmdir()  # Hydra made it for nothing; only an empty one goes
+    _leave(place)
     return Ended(code, None, {}, said)
 
 
@@ -171,6 +173,17 @@ def store(record: Record, place: Place) -> None:
     vacate(place.folder)
     write_record(place.folder, record)
     append(record, place.root)
+
+
+def _leave(place: Place) -> None:
+    """Remove the folders that were made for a run that never began, unless something else is in them."""
+    with contextlib.suppress(OSError):
+        if [path.name for path in place.folder.iterdir()] == [HYDRA]:
+            shutil.rmtree(place.folder / HYDRA)
+        for folder in (place.folder, *place.folder.parents):
+            if not folder.is_relative_to(place.root):
+                break
+            folder.rmdir()
 
 
 def _give_row(place: Place) -> None:

@@ -33,8 +33,8 @@ def overrides(path: Path) -> list[str]:
         raise BadInput(
             str(path), f"cannot be read: {error.strerror}", "a YAML file with a search space"
         ) from None
-    except (YAMLError, OmegaConfBaseException, UnicodeDecodeError) as error:
-        raise BadInput(str(path), f"is no YAML: {error}") from None
+    except (YAMLError, OmegaConfBaseException, ValueError, RecursionError) as error:
+        raise BadInput(str(path), f"is no YAML: {' '.join(str(error).split())[:160]}") from None
     if not isinstance(told, dict) or not told.get("space"):
         raise BadInput(
             f"{path}: space", "is missing", "fields and what they may be, as in N: range(20,100,10)"
