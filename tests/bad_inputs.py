@@ -88,6 +88,7 @@ OTHERS = (
     ("table {d}/file", "{d}/file"), ("report {d}/nowhere", "{d}/nowhere"), ("report {d}/nothing", "{d}/nothing"), ("report {d}/nothing --plans -1", "--plans"),
     ("report {d}/nothing --rows x", "benchbench report"), ("report", "benchbench report"), ("best {d}/nothing", "{d}/nothing"),
     ("best {d}/nowhere", "{d}/nowhere"), ("best {d}/nothing --file {d}/best.yaml", "{d}/best.yaml"), ("best {d}/nothing --file {d}/bad.yaml", "{d}/bad.yaml"),
+    ("draw", "benchbench draw"), ("draw {d}/nowhere", "{d}/nowhere"), ("draw {d}/nothing", "{d}/nothing"), ("draw {d}/plans", "{d}/plans"),
     ("export {d}/nothing --output x.csv", "{d}/nothing"), ("export {d}/nowhere --output x.csv", "{d}/nowhere"), ("export {d}/plans --output x.csv", "{d}/plans/plan.mcap"),
     ("export {d}/note.mcap --output x.csv", "{d}/note.mcap"), ("export {d}/plans --output x.doc", "--output"), ("export {d}/plans", "benchbench export"),
     ("export {d}/plans --output {d}/plans/plan.mcap", "--output"), ("runs {d}/nowhere", "{d}/nowhere"), ("runs {d}/nothing --remove x", "x"),
