@@ -24,6 +24,8 @@ TOLERANCE = 1e-10
 """Relative and absolute tolerance of a step, far below every limit of the certificate."""
 FAR = 1e3
 """m, rad, m/s or rad/s: a replay that gets here has left any room and is stopped."""
+MOST_RESTARTS = 1000
+"""A solver may claim a flight of centuries: so many restarts are made of it, half an hour of a real one."""
 
 
 @dataclass(frozen=True)
@@ -132,6 +134,6 @@ def _replay(plan: Plan, plant: Plant, alone: Shot | None, samples: int, restarts
 def _restarts(time: Array, seconds: float | None) -> tuple[int, ...]:
     if seconds is None:
         return ()
-    marks = np.arange(seconds, time[-1], seconds)
+    marks = np.arange(seconds, min(time[-1], MOST_RESTARTS * seconds), seconds)
     nodes = np.unique(np.argmin(np.abs(time[:, None] - marks), axis=0)) if len(marks) else ()
     return tuple(int(k) for k in nodes if 0 < k < len(time) - 1)
