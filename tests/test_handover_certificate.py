@@ -135,19 +135,26 @@ def test_the_numbers_of_the_record() -> None:
 
 
 PLANNED: tuple[tuple[Plan, dict[str, Any], dict[str, float], tuple[str, ...]], ...] = (
-    (hover(4, 5), {"velocity": (0.012, 0, 0)}, {"contact_node_velocity": 0.012, "contact_steps": 0, "contact_progress": 0},
+    (hover(4, 5), {"velocity": (0.012, 0, 0)}, {"contact_node_velocity": 0.012, "contact_steps": 0, "contact_progress": 0, "contact_seconds": 0},
      ("node 4 claims contact with epsilon 1 ", "relative speed is 0.012 m/s, allowed 0.01 m/s", "only 0 nodes, required 2 nodes",
       "only 0, required 2")),
     (hover(4, 5), {"velocity": (0.008 * np.cos(0.2), 0.008 * np.sin(0.2), 0)},
-     {"contact_node_heading": 0.2, "contact_steps": 0, "contact_progress": 0}, ("heading error is 0.2 rad, allowed 0.1 rad",)),
+     {"contact_node_heading": 0.2, "contact_steps": 0, "contact_progress": 0, "contact_seconds": 0}, ("heading error is 0.2 rad, allowed 0.1 rad",)),
     (hover(3, 4, 5, 6, 8), {"velocity": (0.05, 0, 0), "contacts": NEAR}, {"contact_node_position": 0.06},
      ("node 8 claims contact with epsilon 1 ", "distance is 0.06 m, allowed 0.02 m")),
     (hover(4, 5, progress=0.7), {}, {"contact_progress": 1.4}, ("only 1.4, required 2",)),
     (hover(4, 5, 6, progress=0.7), {}, {}, ()),
     (hover(4, 5), {"contact_seconds": 0.41}, {"contact_seconds": 0.4}, ("only 0.4 s, required 0.41 s",)),
     (hover(), {"contact_seconds": 0.1}, {"contact_steps": 0, "contact_progress": 0, "contact_seconds": 0.0}, ("only 0 s",)),
-    (hover(4), {}, {"contact_steps": 1, "contact_progress": 1}, ("only 1 nodes",)),
+    (hover(4), {}, {"contact_steps": 1, "contact_progress": 1, "contact_seconds": 0}, ("only 1 nodes", "only 0 s, required 0.04 s")),
     (hover(4, 5), {"kappa_init": 3}, {"contact_steps": 2, "contact_progress": 2}, ("required 3 nodes", "required 3")),
+    # nodes of a grid of ten intervals of 0.4 s: as many steps of this one, or half as many of a coarser one, that last as long
+    (hover(4, 5), {"kappa_init": 3, "intervals": 10},
+     {"contact_steps": 2, "contact_progress": 2, "contact_seconds": 0.4}, ("only 0.4 s, required 0.8 s",)),
+    (hover(4, 5), {"kappa_init": 2, "intervals": 10, "kappa_grid": 5},
+     {"contact_steps": 2, "contact_progress": 2, "contact_seconds": 0.4}, ("required 3 nodes", "only 0.4 s, required 0.8 s")),
+    (hover(4, 5, 6), {"kappa_init": 2, "intervals": 10, "kappa_grid": 5}, {}, ()),
+    (hover(4), {"kappa_init": 1}, {}, ()),
 )  # fmt: skip
 
 

@@ -132,6 +132,8 @@ def test_what_is_active_of_a_pair(
         (-50.0, 2.0, 2.0 + 0.5, [], [2]),
         (-3.0, -3.0, -3.0, [2], [2]),
         (0.0, INF, 0.0, [2], []),
+        (0.0, INF, TOL, [2], []),
+        (-INF, 0.0, -TOL, [], [2]),
         (-INF, 0.0, 0.0, [], [2]),
     ],
 )
@@ -204,6 +206,12 @@ def test_the_gradients_of_what_is_active_have_length_one() -> None:
     assert found.independent is False  # four gradients in three dimensions
 
 
+def test_short_gradients_are_made_long() -> None:
+    local = flat(below=lambda x: [0.25 * x[2]])
+    x = np.array([0.5, 0.5, 0.0])
+    assert local.tangent(x, local.active(x, TOL)).rows.toarray().tolist() == [[0, 0, 1]]
+
+
 def test_what_is_curved_counts_where_it_is_active() -> None:
     local = flat(below=lambda x: [x[2] ** 2 - 16])
     for height, affine in ((1.0, True), (4.0, False), (-4.0, False)):
@@ -239,6 +247,17 @@ def test_what_repeats_the_sign_of_a_pair_counts_once(more: dict[str, Any], count
     assert found.rows.shape[0] == count
     at = found.biactive[0]
     np.testing.assert_allclose(found.rows.toarray()[at], [[1, 0, 0], [0, 1, 0]])
+
+
+def test_what_is_only_near_the_gradient_of_a_pair_is_no_repeat() -> None:
+    for slope, count in ((0.4, 2), (0.3, 3), (0.4 + 1e-6, 3), (0.4 + 1e-11, 2)):
+        local = Linearised(
+            problem(
+                np.zeros(2), lambda x: x[0], lambda x: [x[0] + 0.4 * x[1]], lambda x: [x[1]],
+                below=lambda x, slope=slope: [-x[0] - slope * x[1]],
+            )
+        )  # fmt: skip
+        assert local.tangent(np.zeros(2), local.active(np.zeros(2), TOL)).rows.shape[0] == count
 
 
 def test_pairs_that_repeat_each_other_are_all_kept() -> None:

@@ -19,7 +19,9 @@ from benchbench_plugins.models.aerial_manipulator import AerialManipulator
 def test_what_has_limits_on_a_climb_that_turns() -> None:
     """Its body rates are outputs; the room is that of the scenario, which says something of z."""
     model, plan = vehicle(attitude="euler"), climb("euler")
-    given = Given(plan, model, LIMITS.model_copy(update={"restart_seconds": 1.0}), None)
+    given = Given(
+        plan, model, LIMITS.model_copy(update={"restart_seconds": 1.0, "restart_beyond": 3.9}), None
+    )
     task = race(workspace={"z": (0.5, 16.0)})
     found = measured(task, given)
     assert (
@@ -64,6 +66,7 @@ def test_outputs_that_are_angles_are_no_rates() -> None:
         inputs=np.tile(model.hover(), (2, 1)), progress=np.zeros(3), interpolation="hold",
     )  # fmt: skip
     found = measured(race(), Given(plan, model, LIMITS, None))
+    assert found.flight.restarts == ()  # it does not last longer than flights that are flown as one
     assert found.planned["output"].values[:, 0] == pytest.approx([bank] * 3)
     roll = found.room.names.index("roll")
     assert found.room.values[:, roll] == pytest.approx(bank, abs=0.01) and found.room.units[roll] == "rad"

@@ -383,7 +383,9 @@ def test_what_is_said_of_the_original_problem(changes: dict[str, Any], expected:
 
 
 def stop(name: str = "a", prefix: str = "a_", **fields: Any) -> Stop:
+    """Of x at the event and of y all the time; two nodes of a grid of four intervals of half a second."""
     contacts = fields.pop("contacts", {"x": Told(0), "path": Told(1, 0.25, always=True)})
+    fields = {"counted": (1, 4)} | fields
     return Stop(
         name,
         Polynomial(0.0, np.zeros((1, 3))),
@@ -434,6 +436,9 @@ CONTACTS: list[tuple[Callable[[Any], Checks], Audit, tuple[Any, ...]]] = [
     (contact_planned, found_at(stop(contact_seconds=1.25)), (
         ("contact_seconds", 1.0, 1.25, "s", "the longest contact of 'a' that holds every condition is only 1 s, required 1.25 s",
          SECONDS),)),
+    (contact_planned, found_at(stop(counted=None), (2, 3), progress=np.array([0.0, 0.0, 1.0, 1.0])), (
+        ("contact_seconds", 0.5, 2 / 3, "s",
+         "the longest contact of 'a' that holds every condition is only 0.5 s, required 0.666667 s", SECONDS),)),
     (contact_planned, found_at(stop("target", "", kappa_init=1, contact_seconds=0.5), None, progress=np.full(4, 0.5)), (
         ("contact_steps", 0.0, 1, "nodes",
          "the longest contact that holds every condition is only 0 nodes, required 1 nodes", PHASES_OR_SHARPEN),
@@ -505,6 +510,7 @@ def test_stops_that_need_not_be_made_are_not_asked_for_length() -> None:
     assert [entry[0] for entry in told(contact_planned(optional(short)))] == [
         "contact_steps",
         "contact_progress",
+        "contact_seconds",
     ]
     only_path = found_at(stop(contacts={"path": Told(1, always=True)}))
     assert [check.name for check in contact_planned(asked((only_path,)))] == ["path_path"]
@@ -559,6 +565,7 @@ def test_a_limit_from_above() -> None:
     assert at_most("a", "the way", 2.5, 2.0, "m", " at noon", "grows to", advice="x") == Check(
         "a", 2.5, 2.0, "m", False, reason, "x"
     )
+    assert at_most("a", "b", 5.0, 4.0, "").reason == "b reaches 5, allowed 4"
     short = "b reaches 0.123457, allowed 0"
     assert at_most("a", "b", 0.1234567, 0.0, "1") == Check("a", 0.1234567, 0.0, "1", False, short)
     assert Check("a", 0.0, 1.0, "1", True) == Check("a", 0.0, 1.0, "1", True, "", "")
