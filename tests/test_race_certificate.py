@@ -299,13 +299,13 @@ def test_limits_grow_along_the_ramp() -> None:
 )
 def test_inputs_are_limited_where_their_interval_begins(how: Interpolation, rows: int, row: int) -> None:
     """Node 7 is 2.8 m along a ramp of 16 m; two control points belong to an interval."""
-    inputs = np.zeros((rows, 4))
-    inputs[row, 2] = 6.0
-    ramp = Ramp(metres=16.0, motor_force=2.0, body_rate=(15.0, 15.0, 0.3))
+    inputs = np.full((rows, 4), THRUST)
+    inputs[row] = 6.0
+    ramp = Ramp(metres=16.0, motor_force=2.6, body_rate=(15.0, 15.0, 0.3))
     plan = replace(climb(), inputs=inputs, interpolation=how)
     found = only(judged(plan, vehicle(ramp=ramp)), "planned_input")
-    assert found.value == pytest.approx(6.0 - 2.0 - (6.8794 - 2.0) * 2.8 / 16)
-    assert f"'motor_3' exceeds its limits by 3.1461 N in row {row}, " in found.reason
+    assert found.value == pytest.approx(6.0 - 2.6 - (6.8794 - 2.6) * 2.8 / 16)
+    assert f"'motor_1' exceeds its limits by 2.65111 N in row {row}, " in found.reason
 
 
 def along(x: float, y: float = 0.0) -> list[float]:
