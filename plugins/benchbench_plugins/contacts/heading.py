@@ -16,6 +16,10 @@ from benchbench.ocp.node import Node
 
 SLOW = 1e-5
 """Ground speed in m/s below which a direction of motion means nothing."""
+STILL = 1e-9
+"""Ground speed in m/s at which the planner's cosine goes over to that of a target that stands: so far below `SLOW` that its
+limit is the certified one, to rounding, wherever that asks anything.
+"""
 
 
 @final
@@ -46,12 +50,13 @@ class Heading(Contact):
         if self.form == "cross":
             cross = way[0] * nose[1] - way[1] * nose[0]
             return Condition(cross**2 / self.limit**2 - 1, "m/s", (self.limit,))
-        squared = ca.sumsqr(way) * ca.sumsqr(nose) + SLOW**2
-        still = SLOW**2 / squared  # 1 when the target stands still, and then the cosine is, too
+        squared = ca.sumsqr(way) * ca.sumsqr(nose) + STILL**2
+        still = STILL**2 / squared  # 1 when the target stands still, and then the cosine is, too
         cosine = (
             ca.dot(way, nose) / ca.sqrt(squared) * (1 + still / 2) + still**2
         )  # else right but for still^2
-        return Condition((1 - cosine) / (1 - np.cos(self.limit)) - 1, self.unit, (self.limit,))
+        width = 2 * np.sin(self.limit / 2) ** 2  # 1 - cos(limit), exact for small limits
+        return Condition((1 - cosine) / width - 1, self.unit, (self.limit,))
 
     def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
         """Heading error in rad in [0, pi]; 0 where the target stands still."""
