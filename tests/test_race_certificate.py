@@ -305,7 +305,7 @@ def test_inputs_are_limited_where_their_interval_begins(how: Interpolation, rows
     plan = replace(climb(), inputs=inputs, interpolation=how)
     found = only(judged(plan, vehicle(ramp=ramp)), "planned_input")
     assert found.value == pytest.approx(6.0 - 2.6 - (6.8794 - 2.6) * 2.8 / 16)
-    assert f"'motor_1' exceeds its limits by 2.65111 N in row {row}, " in found.reason
+    assert f"'motor_1' exceeds its limits by 2.6511 N in row {row}, " in found.reason
 
 
 def along(x: float, y: float = 0.0) -> list[float]:
