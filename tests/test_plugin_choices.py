@@ -14,7 +14,8 @@ from benchbench.cli.application import start
 from benchbench.errors import BadInput
 from benchbench.planning.case import Case
 from benchbench.run import config
-from benchbench.run.plugin_choices import GROUPS, options
+from benchbench.run.choices import GROUPS
+from benchbench.run.plugin_choices import options
 
 MODULE = '''
 """A stranger's relaxations and contact."""

@@ -14,8 +14,7 @@ from hydra._internal.utils import get_args_parser
 from hydra.core.config_search_path import ConfigSearchPath
 from omegaconf import DictConfig
 
-from benchbench import __version__
-from benchbench.cli import commands
+from benchbench.cli import commands, front
 from benchbench.cli.composing import compose_and_run
 from benchbench.errors import BadInput
 from benchbench.run import config, summary
@@ -23,6 +22,7 @@ from benchbench.run.drawing import drawn
 from benchbench.run.execution import BAD_INPUT, CERTIFIED, Ended, Place, execute, failure
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.overrides import carried, implying
+from benchbench.run.telling import complain
 from benchbench.sweep.combination import Combination
 from benchbench.sweep.pool import run_all
 from benchbench.sweep.single import isolated, limited
@@ -35,6 +35,8 @@ NOTHING = ("", "''", '""', "null")
 
 def start(arguments: Sequence[str]) -> int:
     """Do what the command line asks and return the exit code."""
+    if (answered := front.answer(arguments)) is not None:
+        return answered
     traced = "--traceback" in arguments
     sys.argv[1:] = [a for a in arguments if a != "--traceback"]
     try:
@@ -49,7 +51,7 @@ def start(arguments: Sequence[str]) -> int:
             if isinstance(error, EXPECTED) or not isinstance(error, OSError)
             else _file(error)
         )
-        summary.complain("bad input", str(told))
+        complain("bad input", str(told))
         return BAD_INPUT
 
 
@@ -64,18 +66,9 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
         else:
             arguments = done
         sys.argv[1:] = arguments
-    options, unknown = get_args_parser().parse_known_args([a for a in arguments if a != "--version"])
+    options, unknown = get_args_parser().parse_known_args(arguments)
     if unknown:
         raise BadInput(unknown[0], "there is no such option", "what --help shows")
-    if "--version" in arguments:
-        print(f"benchbench {__version__}")
-        return CERTIFIED
-    if options.help or not arguments:
-        print(summary.usage({f: _choices(f, options.config_dir) for f in config.KINDS}))
-    if options.help:
-        return CERTIFIED
-    if not arguments:
-        raise BadInput("scenario", "none was chosen", "+scenario=NAME with a NAME from the list above")
     options.overrides = _complete(options, arguments)
     _check_output(options.overrides)
     os.environ["HYDRA_FULL_ERROR"] = "1"  # errors reach us, we say them in one message
@@ -112,12 +105,6 @@ def _check_output(overrides: Sequence[str]) -> None:
             raise BadInput("output", f"'{value}' was given", "the path of a folder")
 
 
-def _choices(family: str, more: str | None) -> list[str]:
-    """Names to choose from, with those in the folder given by --config-dir."""
-    own = [path.stem for path in Path(more, family).glob("*.yaml")] if more else []
-    return sorted({*config.choices(family), *own})
-
-
 def _file(error: OSError) -> BadInput:
     if error.filename is None:  # a file that is open already, as on a full disk
         return BadInput("output", f"cannot write: {error.strerror or error}", "a folder with free space")
@@ -149,7 +136,7 @@ class _Invocation:
         ended = _ended(cfg)
         self.codes.append(ended.code)
         for complaint in ended.complaints:
-            summary.complain(complaint.kind, complaint.text, complaint.trace if self.traced else "")
+            complain(complaint.kind, complaint.text, complaint.trace if self.traced else "")
         if ended.record is not None and not ended.complaints:
             summary.show(ended.record, ended.paths)
 

@@ -15,9 +15,13 @@ def main() -> None:
     """Entry point of the console script and of `python -m benchbench`; never returns, exits with a code."""
     interrupt.take_over()
     try:
-        from benchbench.cli.application import start  # imports everything; Ctrl-C is heard by now
+        from benchbench.cli import front  # imports next to nothing; Ctrl-C is heard by now
 
-        code = start(sys.argv[1:])
+        code = front.answer(sys.argv[1:])
+        if code is None:
+            from benchbench.cli.application import start  # imports everything
+
+            code = start(sys.argv[1:])
         sys.stdout.flush()
     except KeyboardInterrupt:
         interrupt.leave()

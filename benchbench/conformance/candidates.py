@@ -14,11 +14,11 @@ from hydra.errors import InstantiationException
 from omegaconf import OmegaConf
 
 from benchbench.registry import installed
-from benchbench.run import config, plugin_choices
+from benchbench.run import choices, config
 from benchbench.run.choice import choice
 
 GROUPS = {"models": "vehicle"} | {
-    family: group for family, group in plugin_choices.GROUPS.items() if family not in ("peers", "motions")
+    family: group for family, group in choices.GROUPS.items() if family not in ("peers", "motions")
 }
 """Where the choices of a family with a suite are."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -26,8 +25,10 @@ from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case, Guess, ReadyCase, Strategy
 from benchbench.planning.task_hash import task_hash
 from benchbench.run import settings, trust
+from benchbench.run.choices import PARTS
+from benchbench.run.choices import folder as place
 from benchbench.run.drawing import drawn
-from benchbench.run.hydra_errors import EXPECTED, PARTS, explained
+from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.making import made
 from benchbench.run.overrides import implied, implying
 from benchbench.run.plugin_choices import SearchPath
@@ -47,19 +48,12 @@ FIELDS = (*KINDS, "peer", *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
 
 
 def folder() -> str:
-    """Absolute path of the configuration: $BENCHBENCH_CONF, else the installed one, else the checkout's.
+    """Absolute path of the configuration, see `choices.folder`. Raises BadInput.
 
-    Plugins and third parties' configuration are on the search path from here on. Raises BadInput.
+    Plugins and third parties' configuration are on the search path from here on.
     """
     Plugins.instance().register(SearchPath)
-    here = Path(__file__).resolve().parents[1]
-    asked = os.environ.get("BENCHBENCH_CONF")
-    for candidate in [Path(asked)] if asked else [here / "conf", here.parent / "conf"]:
-        if (candidate / "config.yaml").is_file():
-            return str(candidate.resolve())
-    raise BadInput(
-        "BENCHBENCH_CONF", f"there is no config.yaml in '{asked}'", "the path of benchbench's conf folder"
-    )
+    return place()
 
 
 def choices(family: str) -> list[str]:

@@ -15,11 +15,10 @@ from omegaconf.errors import (
 from yaml import YAMLError  # type: ignore[import-untyped]
 
 from benchbench.errors import BadInput, BenchBenchError, unknown_choice, unknown_field
+from benchbench.run.choices import PARTS
 
 EXPECTED = (BenchBenchError, HydraException, OmegaConfBaseException, YAMLError)
 """Errors about the input, not about the program."""
-PARTS = ("handover", "hardware")
-"""YAML files that others build on; nothing to choose by itself."""
 
 # Hydra's text -> (field, problem, allowed); {0}, {1} are the groups of the pattern.
 _RULES = (

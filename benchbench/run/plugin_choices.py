@@ -20,12 +20,8 @@ from omegaconf import DictConfig, OmegaConf
 
 from benchbench import registry
 from benchbench.errors import BadInput
+from benchbench.run.choices import GROUPS
 
-GROUPS = {
-    "dynamics": "dynamics", "relaxations": "relaxation", "solvers": "solver", "strategies": "strategy",
-    "guesses": "guess", "peers": "peer", "contacts": "scenario/contact", "motions": "scenario/motion",
-}  # fmt: skip
-"""Where the choices of a family are. Vehicles and scenarios are numbers, so that theirs are always YAML."""
 PLACES = {"scenario/contact": "_global_.scenario.contacts.{}", "scenario/motion": "_global_.scenario.target"}
 """Where in the configuration the choices of a group stand, with their name; others stand where their group does."""
 SCHEME = "plugins"

@@ -13,6 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from benchbench.run import summary
 from benchbench.run.execution import Ended
+from benchbench.run.telling import complain
 
 
 @final
@@ -62,7 +63,7 @@ class Display:
         combination = " ".join(text for text in overrides if text not in self._shared)
         for complaint in end.complaints:
             where = f"{complaint.kind} (run {number}: {combination})"
-            summary.complain(where, complaint.text, complaint.trace if self._traced else "")
+            complain(where, complaint.text, complaint.trace if self._traced else "")
         if end.record is not None and not end.complaints:
             summary.show_line(number, end.record, combination)
         status = str(end.record["status"]) if end.record else "bad input"

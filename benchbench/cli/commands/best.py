@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput
-from benchbench.run.summary import complain
+from benchbench.run.telling import complain
 
 if TYPE_CHECKING:
     from benchbench.storage.best_known import KnownValue

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput, Unavailable
-from benchbench.run.summary import complain
+from benchbench.run.telling import complain
 from benchbench.storage.files import write_bytes
 
 PLANS, ROWS = 12, 1000

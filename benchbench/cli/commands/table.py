@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput, unknown_field
-from benchbench.run.summary import complain
+from benchbench.run.telling import complain
 
 if TYPE_CHECKING:
     import pyarrow as pa

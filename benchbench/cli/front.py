@@ -1,0 +1,75 @@
+"""Answers that need none of the program behind it: help, version, and what cannot be chosen, in a tenth of the time."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchbench import __version__
+from benchbench.errors import BadInput, BenchBenchError, unknown_choice
+from benchbench.run.choices import FAMILIES, choices
+from benchbench.run.telling import complain, usage
+
+DONE, BAD_INPUT = 0, 2
+LONG = (
+    "--help", "--hydra-help", "--version", "--cfg", "--resolve", "--package", "--run", "--multirun", "--shell-completion",
+    "--config-path", "--config-name", "--config-dir", "--experimental-rerun", "--info", "--traceback",
+)  # fmt: skip
+"""All long options: Hydra's, and two of ours."""
+ELSEWHERE = ("-m", "--multirun", "-cp", "--config-path", "-cn", "--config-name", "--experimental-rerun")
+"""Options with which choices are not looked at here: several at a time, or from another configuration."""
+CHOICE = re.compile(rf"(\+scenario|{'|'.join(FAMILIES[1:])}|peer)=(\w+)")
+
+
+def answer(arguments: Sequence[str]) -> int | None:
+    """Answer what can be answered at once and return the exit code; None for all else."""
+    if arguments and arguments[0] in {
+        path.stem for path in Path(__file__).with_name("commands").glob("*.py")
+    }:
+        return None
+    try:
+        return _answer([a for a in arguments if a != "--traceback"])
+    except BenchBenchError as error:
+        complain("bad input", str(error))
+        return BAD_INPUT
+
+
+def _answer(arguments: Sequence[str]) -> int | None:
+    for name in (a.partition("=")[0] for a in arguments if a.startswith("--")):
+        if not any(option.startswith(name) for option in LONG):  # Hydra takes abbreviations
+            raise BadInput(name, "there is no such option", "what --help shows")
+    if "--version" in arguments:
+        print(f"benchbench {__version__}")
+        return DONE
+    own = _own(arguments)
+    asked = "--help" in arguments or "-h" in arguments
+    if asked or not arguments:
+        print(usage({family: choices(family, *own) for family in FAMILIES}))
+        sys.stdout.flush()
+    if asked:
+        return DONE
+    if not arguments:
+        raise BadInput("scenario", "none was chosen", "+scenario=NAME with a NAME from the list above")
+    _check(arguments, own)
+    return None
+
+
+def _check(arguments: Sequence[str], own: Sequence[Path]) -> None:
+    """Raise BadInput for a choice that is not there, where it is plain what there is."""
+    if any(a.partition("=")[0] in ELSEWHERE or "hydra." in a for a in arguments):
+        return
+    for found in filter(None, map(CHOICE.fullmatch, arguments)):
+        family, name = found[1].lstrip("+"), found[2]
+        if name not in (there := choices(family, *own)) and name != "null":
+            raise unknown_choice(family, name, there)
+
+
+def _own(arguments: Sequence[str]) -> list[Path]:
+    """The folder of --config-dir."""
+    for i, text in enumerate(arguments):
+        name, given, folder = text.partition("=")
+        if name in ("--config-dir", "-cd"):
+            return [Path(folder if given else (*arguments, "")[i + 1])]
+    return []
