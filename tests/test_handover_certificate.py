@@ -118,6 +118,12 @@ def test_the_numbers_of_the_record() -> None:
     }  # fmt: skip
     (distance, speed, _) = found.pop("contact_gaps_said")
     assert "6.4" in distance and "8" in speed
+    used, said = found.pop("limits_used"), found.pop("limits_used_said")
+    assert used["contact_position"] == pytest.approx(0.0064 / 0.020001) and used["residual"] == pytest.approx(
+        1e-3
+    )
+    assert used["contact_velocity"] == pytest.approx(0.008 / 0.015)  # 0.01 m/s, and 0.005 m/s are granted
+    assert said == ("relative speed in contact 0.008 of 0.015 m/s",)
     assert found.keys() == expected.keys()
     numbers = {k: v for k, v in expected.items() if isinstance(v, float)}
     assert {k: found[k] for k in numbers} == pytest.approx(numbers, abs=1e-8)

@@ -11,6 +11,8 @@ from benchbench.certificate.check import Check
 from benchbench.certificate.replay import Replay
 
 Record = dict[str, Any]
+NEAR = 0.5
+"""Share of a limit from which its use is said in words."""
 
 
 @dataclass(frozen=True)
@@ -69,10 +71,25 @@ class Certificate:
         """
         return next((check.advice for check in self.broken if check.advice), "")
 
+    @property
+    def uses(self) -> tuple[Check, ...]:
+        """For each kind of limit the check that uses most of it, the fullest first."""
+        fullest: dict[str, Check] = {}
+        for check in self.checks:
+            if check.used > (fullest[check.name].used if check.name in fullest else 0.0):
+                fullest[check.name] = check
+        return tuple(sorted(fullest.values(), key=lambda check: -check.used))
+
     def record(self) -> Record:
         """Flat numbers for a table row; what is absent or not finite is None."""
         numbers = {name: _finite(value) for name, value in vars(self.measures).items()}
-        return {"certified": self.certified, "reasons": self.reasons, "advice": self.advice, **numbers}
+        uses = {
+            "limits_used": {check.name: check.used for check in self.uses},
+            "limits_used_said": tuple(check.use for check in self.uses if check.used >= NEAR),
+        }
+        return {
+            "certified": self.certified, "reasons": self.reasons, "advice": self.advice, **numbers, **uses,
+        }  # fmt: skip
 
 
 def _finite(value: Any) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,7 +15,8 @@ from benchbench.arrays import Array
 class Check:
     """One limit: its `value` against `limit` in `unit`; `reason` says in words why it failed, else "".
 
-    A value that is not a number never passes, whatever `ok` says. advice: what to change where it is broken.
+    A value that is not a number never passes, whatever `ok` says. advice: what to change where it is broken. what: what is
+    measured, in words, where `value` may be any share of `limit`.
     """
 
     name: str
@@ -25,6 +26,7 @@ class Check:
     ok: bool
     reason: str = ""
     advice: str = ""
+    what: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
         """Fail what is not a number."""
@@ -32,8 +34,22 @@ class Check:
             object.__setattr__(self, "ok", False)
             object.__setattr__(self, "reason", f"{self.name} is not a number")
 
+    @property
+    def used(self) -> float:
+        """Share of the limit that is used, 0 where there is none to use."""
+        return self.value / self.limit if self.what and self.ok and self.limit > 0 < self.value else 0.0
+
+    @property
+    def use(self) -> str:
+        """The same in words."""
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        return f"{self.what} {self.value:.5g} of {self.limit:.5g}{unit}"
+
 
 Checks = Iterator[Check]
+
+
+BEYOND = "exceeds its limits by"
 
 
 def at_most(
@@ -44,7 +60,8 @@ def at_most(
     if math.isnan(value):
         return Check(name, value, limit, unit, False, f"{what} is not a number{where}", advice)
     reason = f"{what} {verb} {_number(value, unit)}{where}, allowed {_number(limit, unit)}"
-    return Check(name, value, limit, unit, value <= limit, "" if value <= limit else reason, advice)
+    measured = f"{what} beyond its limits" if verb == BEYOND else what
+    return Check(name, value, limit, unit, value <= limit, "" if value <= limit else reason, advice, measured)
 
 
 def at_least(

@@ -112,4 +112,5 @@ def _facts(record: Record) -> dict[str, str]:
         for name, (column, factor, unit) in FACTS.items()
         if record[column] is not None
     }
-    return numbers | ({"in contact": ", ".join(said)} if (said := record["contact_gaps_said"]) else {})
+    said = {"in contact": record["contact_gaps_said"], "limits used": record["limits_used_said"]}
+    return numbers | {name: ", ".join(texts) for name, texts in said.items() if texts}

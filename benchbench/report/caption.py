@@ -10,5 +10,6 @@ def caption(record: Mapping[str, Any]) -> tuple[str, str]:
     """Return title and verdict of a run's plan from its record."""
     title = f"{record['scenario']}, {record['dynamics']}, N = {record['intervals']}, {record['strategy']}"
     if record["certified"]:
-        return title, "certified"
+        fullest = next(iter(record["limits_used_said"] or ()), "")
+        return title, f"certified; closest to a limit: {fullest}" if fullest else "certified"
     return title, f"NOT certified: {next(iter(record['reasons'] or ()), record['status'])}"

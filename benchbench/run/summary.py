@@ -114,10 +114,10 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         worst = _scaled(r["gate_worst_miss_m"], 1e3, "mm beyond a gate's edge at worst") or "-"
         lines.append(("gates", f"{r['gates_passed']} of {r['gates']} in order, {worst}"))
     defect, drift = (_scaled(r[f"replay_{k}_position_m"], 1e3, "mm") or "-" for k in ("defect", "drift"))
-    return [
-        *lines,
-        ("replay", f"{defect} off after one interval, {drift} at worst flown open loop{_far(r)}"),
-    ]
+    lines.append(("replay", f"{defect} off after one interval, {drift} at worst flown open loop{_far(r)}"))
+    if r["certified"] and r["limits_used_said"]:
+        lines.append(("limits used", "\n".join(r["limits_used_said"][:REASONS])))
+    return lines
 
 
 def new_best(r: Mapping[str, Any]) -> bool:

@@ -123,6 +123,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("contact_duration_s", "float", "s", "length of the contact window; the shortest of all stops"),
     Column("contact_gaps", "numbers", "its own", "largest gap of each contact condition in the windows (of a path condition all the time), by its name, in the unit of its limit"),
     Column("contact_gaps_said", "strings", "", "the same in words, with units"),
+    Column("limits_used", "numbers", "1", "share of each kind of limit and tolerance of the certificate that the plan uses, where it keeps it"),
+    Column("limits_used_said", "strings", "", "those of which half or more is used, in words, the fullest first"),
     Column("stops", "strings", "", "stops made, in order of time, each with start and end of its contact"),
     Column("reward_s", "float", "s", "rewards of the optional stops made, to be taken off the travel time"),
     # certificate: races

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.certificate import advice
-from benchbench.certificate.check import Checks, at_most, worst
+from benchbench.certificate.check import BEYOND, Checks, at_most, worst
 from benchbench.certificate.evidence import Evidence
 
 UNIT_LENGTH = 1e-6
@@ -49,7 +49,7 @@ def planned_limits(evidence: Evidence) -> Checks:
                 f" {'in row' if kind == 'input' else 'at node'} {k}",
             )
             yield at_most(
-                f"planned_{kind}", what, excess, evidence.limits.node, of.units[i], where, "exceeds its limits by",
+                f"planned_{kind}", what, excess, evidence.limits.node, of.units[i], where, BEYOND,
                 advice=advice.ACCURACY,
             )  # fmt: skip
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchbench.certificate import advice
-from benchbench.certificate.check import Check, Checks, at_most, worst
+from benchbench.certificate.check import BEYOND, Check, Checks, at_most, worst
 from benchbench.certificate.difference import angle, distance
 from benchbench.certificate.evidence import Evidence
 
@@ -56,5 +56,5 @@ def _room(evidence: Evidence, kind: str, unit: str, limit: float) -> Checks:
     mine = [i for i, u in enumerate(room.units) if u == unit]
     if mine:
         value, (k, i) = worst(room.excess[:, mine])
-        what, verb = f"'{room.names[mine[i]]}'", "exceeds its limits by"
-        yield at_most(f"replay_{kind}", what, value, limit, unit, evidence.at(k), verb, advice=advice.FINER)
+        what = f"'{room.names[mine[i]]}'"
+        yield at_most(f"replay_{kind}", what, value, limit, unit, evidence.at(k), BEYOND, advice=advice.FINER)

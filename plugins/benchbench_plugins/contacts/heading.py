@@ -16,6 +16,8 @@ from benchbench.ocp.node import Node
 
 SLOW = 1e-5
 """Ground speed in m/s below which a direction of motion means nothing."""
+SMALL = 1e-3
+"""Limit in rad below which one minus its cosine has lost digits."""
 STILL = 1e-9
 """Ground speed in m/s at which the planner's cosine goes over to that of a target that stands: so far below `SLOW` that its
 limit is the certified one, to rounding, wherever that asks anything.
@@ -55,7 +57,7 @@ class Heading(Contact):
         cosine = (
             ca.dot(way, nose) / ca.sqrt(squared) * (1 + still / 2) + still**2
         )  # else right but for still^2
-        width = 2 * np.sin(self.limit / 2) ** 2  # 1 - cos(limit), exact for small limits
+        width = 1 - np.cos(self.limit) if self.limit > SMALL else 2 * np.sin(self.limit / 2) ** 2
         return Condition((1 - cosine) / width - 1, self.unit, (self.limit,))
 
     def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
