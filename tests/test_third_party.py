@@ -23,9 +23,9 @@ LONGEST = 80
 """Lines of a file."""
 
 PLANS = {
-    "relaxation": "+scenario=static relaxation=soft_minimum scenario.intervals=30",
+    "relaxation": "+scenario=static relaxation=soft_minimum scenario.intervals=12",
     "strategy": "+scenario=circle strategy=two_grids +scenario/contact=height +scenario.contact_margin.height=0.05",
-    "scenario": "+scenario=eight dynamics=lobatto_iiic guess=eased scenario.intervals=40",
+    "scenario": "+scenario=eight dynamics=lobatto_iiic guess=eased scenario.intervals=30",
 }
 MISTAKES = {
     "name": "+scenario=static relaxation=soft",
@@ -151,9 +151,11 @@ def test_it_sweeps_beside_ours(python: Path, tmp_path: Path) -> None:
     sweep = [
         "-m",
         "+scenario=static",
-        "scenario.intervals=20",
+        "scenario.intervals=12",
+        "guess=line",
         "relaxation=scholtes,soft_minimum",
         "picture=false",
+        "workers=1",
     ]
     done = run(python, tmp_path, "benchbench", *sweep)
     assert done.returncode in (0, 1), done.stdout + done.stderr
