@@ -16,7 +16,7 @@ from benchbench.regression import baseline
 from benchbench.regression.compare import Change, compare
 from benchbench.regression.matrix import Gates, Matrix
 
-CASE = "[+scenario=static, strategy=phases, scenario.intervals=30]"
+CASE = "[+scenario=static, strategy=phases, strategy.margin=0, scenario.intervals=12]"
 MATRIX = f"common: [compile=never]\nrepeats: 5\ncases:\n  small: {CASE}\n"
 WAS: dict[str, Any] = {
     "status": "certified", "certified": True, "travel_time_s": 2.0, "objective": 2.1, "iterations": 100,
