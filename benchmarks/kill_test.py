@@ -26,7 +26,7 @@ FILES = ("config.yaml", "plan.mcap", "plan.png")
 
 def lacking(root: Path) -> int:
     """Runs below a folder of results without one of their files."""
-    folders = collect([root]).folders
+    folders = collect([root]).folders if root.is_dir() else ()
     return sum(place is None or not all((place / name).is_file() for name in FILES) for place in folders)
 
 

@@ -29,10 +29,9 @@ def record(
     case: AnyCase, result: Result, certificate: Certificate, ledger: Ledger, more: Mapping[str, Any]
 ) -> Record:
     """Return the record of a run; `more`: columns that are ready."""
+    told = _elsewhere(case, result) if result.posed is None else _posed(case, result, result.posed, ledger)
     return make_record(
-        **_verdict(result, certificate),
-        **(_elsewhere(case, result) if result.posed is None else _posed(case, result, result.posed, ledger)),
-        **result.account,
+        **{**_verdict(result, certificate), **told, **result.account},
         seed=case.seed,
         iterations=ledger.iterations,
         evaluations=ledger.evaluations,

@@ -20,6 +20,7 @@ from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
+from benchbench.planning.motors import order_of, reordered
 from benchbench.storage.flight import plan_of
 from benchbench.storage.flight_csv import read_csv
 
@@ -43,7 +44,7 @@ class Racer:
 class Call:
     """A command to run in a folder, the CSV file it is to write, and how its inputs run between the rows.
 
-    tidy: what to do with the text of that file before it is read.
+    tidy: what to do with the text of that file before it is read; motors: how it numbers them.
     """
 
     command: Sequence[str]
@@ -51,6 +52,7 @@ class Call:
     result: Path
     interpolation: Literal["hold", "linear"]
     tidy: Callable[[str], str] | None = None
+    motors: str = "ours"
 
 
 class Peer(ABC):
@@ -83,7 +85,8 @@ def ask(peer: Peer, case: Case, seconds: float) -> Plan:
         if call.tidy:
             call.result.write_text(call.tidy(call.result.read_text(errors="replace")))
         try:
-            return plan_of(read_csv(call.result), case.model, call.interpolation)
+            plan = plan_of(read_csv(call.result), case.model, call.interpolation)
+            return reordered(plan, order_of(call.motors, case.model))
         except BadInput as error:
             problem = str(error).replace(str(call.result), call.result.name)
             raise NoPlan(f"peer '{peer.name}' wrote what is no plan: {problem}") from None

@@ -111,13 +111,25 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         interval = f"{100 * r['starts_low']:.0f} to {100 * r['starts_high']:.0f} %"
         lines.append(("starts", "\n".join((f"{certified} (95 % interval {interval})", *r["optima"]))))
     if r["gates"] is not None:
-        worst = _scaled(r["gate_worst_miss_m"], 1e3, "mm beyond a gate's edge at worst") or "-"
-        lines.append(("gates", f"{r['gates_passed']} of {r['gates']} in order, {worst}"))
+        lines.append(("gates", f"{r['gates_passed']} of {r['gates']} in order{_nearest(r)}"))
     defect, drift = (_scaled(r[f"replay_{k}_position_m"], 1e3, "mm") or "-" for k in ("defect", "drift"))
     lines.append(("replay", f"{defect} off after one interval, {drift} at worst flown open loop{_far(r)}"))
     if r["certified"] and r["limits_used_said"]:
         lines.append(("limits used", "\n".join(r["limits_used_said"][:REASONS])))
     return lines
+
+
+def _nearest(r: Mapping[str, Any]) -> str:
+    """How near to an edge, or how far outside, the gate is passed that is passed worst; the end is one, too."""
+    miss = r["gate_worst_miss_m"]
+    if miss is None:
+        return ""
+    far = f"{1e3 * abs(miss):.3g} mm" if abs(miss) < 1 else f"{abs(miss):.3g} m"
+    if miss <= 0:
+        return f", {far} inside the edge at the tightest"
+    if r["gates_passed"] == r["gates"] and any(reason.startswith("the end is ") for reason in r["reasons"]):
+        return f", but the end is missed by {far}"
+    return f", {far} outside the edge at worst"
 
 
 def new_best(r: Mapping[str, Any]) -> bool:
@@ -162,6 +174,8 @@ def _verdict(r: Mapping[str, Any]) -> Text:
     if r["certified"]:
         return Text("certified", style="bold green") + _meaning(r)
     claim = "the solver claims success" if r["claimed_success"] else f"the solver ended with {r['status']}"
+    if flies(r) and r["n_variables"] is None and r["claimed_success"]:
+        claim = f"the plan is by {r['solver']}"
     text = Text(f"NOT certified ({claim})", style="bold red")
     for reason in r["reasons"][:REASONS]:
         text.append(f"\n- {reason}", style="not bold red")

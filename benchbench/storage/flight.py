@@ -64,7 +64,7 @@ def flight_of(plan: Plan) -> Flight:
     speeds = ("vx", "vy", "vz") if "vx" in v else POSITION
     rates = _columns(v, RATES) if "wx" in v else body_rates(_columns(q, ANGLES), _columns(v, ANGLES))
     arm = np.stack([q[ARM], v[ARM], u[SERVO]], axis=-1) if ARM in q and SERVO in u else None
-    progress = plan.progress if plan.progress.ndim == 1 and plan.progress.any() else None
+    progress = plan.progress if plan.progress.ndim == 1 and np.any(plan.progress > 0) else None
     return Flight(
         time=plan.time, position=position, quaternion=continuous(scalar_first), velocity=_columns(v, speeds),
         body_rates=rates, thrusts=_columns(u, MOTORS), arm=arm, progress=progress,

@@ -58,10 +58,15 @@ def to_csv(flight: Flight) -> str:
 
 def read_csv(path: Path) -> Flight:
     """Read a flight from a file with these columns in any order. Raises BadInput naming what is wrong where."""
-    columns = _read(path)
+    return flight_of_lines(read_lines(path), str(path))
+
+
+def flight_of_lines(lines: list[list[str]], path: str) -> Flight:
+    """Return the flight that header and rows say; path: what messages call the file. Raises BadInput as `read_csv` does."""
+    columns = _read(lines, path)
     missing = [name for name in NEEDED if name not in columns]
     if missing:
-        raise BadInput(str(path), f"has no column {', '.join(missing)}", ", ".join(NEEDED))
+        raise BadInput(path, f"has no column {', '.join(missing)}", ", ".join(NEEDED))
     parts = {
         group.field: np.stack([columns[name] for name in group.names], axis=-1)
         for group in GROUPS
@@ -80,15 +85,12 @@ def read_csv(path: Path) -> Flight:
     return Flight(**parts)
 
 
-def _read(path: Path) -> dict[str, Array]:
+def _read(lines: list[list[str]], path: str) -> dict[str, Array]:
     """All columns of numbers that are known here, by name."""
     known = {name for group in GROUPS for name in group.names}
-    lines = read_lines(path)
     header = lines[0]
     if len(lines) < 3:
-        raise BadInput(
-            str(path), f"has {max(len(lines) - 1, 0)} rows of numbers", "a header and at least 2 rows"
-        )
+        raise BadInput(path, f"has {max(len(lines) - 1, 0)} rows of numbers", "a header and at least 2 rows")
     found: dict[str, Array] = {}
     for place, name in enumerate(header):
         if name in known:
@@ -96,7 +98,7 @@ def _read(path: Path) -> dict[str, Array]:
     return found
 
 
-def _number(path: Path, line: int, name: str, row: list[str], place: int) -> float:
+def _number(path: str, line: int, name: str, row: list[str], place: int) -> float:
     text = row[place]
     try:
         value = float("" if "_" in text else text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from benchbench.errors import BadInput
@@ -24,11 +24,19 @@ def read_lines(path: Path) -> list[list[str]]:
         if path.stat().st_size > LARGEST:
             raise BadInput(str(path), f"is larger than {LARGEST / 1e6:g} MB", "a plan of fewer rows")
         with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = [line for line in csv.reader(file, skipinitialspace=True) if line]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+            return lines_of(file, str(path))
+    except (OSError, UnicodeDecodeError) as error:
         raise BadInput(str(path), f"cannot be read: {error}", "a CSV file with a header") from None
+
+
+def lines_of(text: Iterable[str], path: str) -> list[list[str]]:
+    """Return header and rows of an open file, or of the lines of a text; path: what messages call it. Raises BadInput as above."""
+    try:
+        lines = [line for line in csv.reader(text, skipinitialspace=True) if line]
+    except csv.Error as error:
+        raise BadInput(path, f"cannot be read: {error}", "a CSV file with a header") from None
     header = [name.strip() for name in lines[0]] if lines else []
-    check_once(header, str(path))
+    check_once(header, path)
     for number, row in enumerate(lines[1:], 2):
         if len(row) > len(header):
             problem = f"has {len(row)} cells, the header has {len(header)}"

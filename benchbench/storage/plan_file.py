@@ -9,22 +9,28 @@ from benchbench.errors import BadInput
 from benchbench.ocp.columns import TIME
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Interpolation, Plan
+from benchbench.storage.attached import attached
 from benchbench.storage.flight import plan_of
-from benchbench.storage.flight_csv import read_csv
-from benchbench.storage.lines import read_lines
+from benchbench.storage.flight_csv import flight_of_lines, read_csv
+from benchbench.storage.lines import lines_of, read_lines
 from benchbench.storage.playback import read_mcap
 
 
 def read_plan(path: Path, model: Model, interpolation: Interpolation = "hold") -> Plan:
     """Return the plan of a model that a file holds.
 
-    .mcap      a recording of a run
+    .mcap      a recording of a run, or the ROS 2 file that `benchbench export` made of one
     other      CSV: with a column `time` the frame of `Plan.to_frame`, else the columns of docs/export.md
     interpolation: "hold" or "linear", of the inputs of the latter; recordings and frames say it themselves.
     Raises BadInput for a file that cannot be used, Unavailable where recordings need a package that is not installed.
     """
     if path.suffix == ".mcap":
-        return _recorded(path, model)
+        text = attached(path)
+        if text is None:
+            return _recorded(path, model)
+        return plan_of(
+            flight_of_lines(lines_of(text.splitlines(), str(path)), str(path)), model, interpolation
+        )
     if _is_frame(path):
         import pandas as pd
 

@@ -2,7 +2,7 @@
 
 Body: trajectory_msgs/msg/MultiDOFJointTrajectory, linear and angular velocity in the world frame, as the header's
 frame says. Arm: trajectory_msgs/msg/JointTrajectory with angle, rate and effort. Neither has a place for motor
-thrusts; the CSV has them.
+thrusts; the CSV, which is attached, has them.
 """
 
 from __future__ import annotations
@@ -16,8 +16,10 @@ from scipy.spatial.transform import Rotation
 
 from benchbench.arrays import Array
 from benchbench.errors import Unavailable
+from benchbench.storage.attached import KIND, NAME
 from benchbench.storage.entry import nanoseconds
 from benchbench.storage.flight import Flight
+from benchbench.storage.flight_csv import to_csv
 
 WORLD, BODY, ARM = "world", "base_link", "arm"
 BODY_TOPIC, ARM_TOPIC = "/body_trajectory", "/arm_trajectory"
@@ -45,6 +47,7 @@ def to_mcap(flight: Flight, metadata: Mapping[str, str]) -> bytes:
         channel = writer.register_channel(topic, "cdr", schema)
         writer.add_message(channel, 0, bytes(store.serialize_cdr(message, name)), 0)
     writer.add_metadata("benchbench", dict(metadata))
+    writer.add_attachment(0, 0, NAME, KIND, to_csv(flight).encode())
     writer.finish()  # type: ignore[no-untyped-call]
     return out.getvalue()
 

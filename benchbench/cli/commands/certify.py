@@ -15,6 +15,7 @@ certified, 1 when not, 2 for bad input. The columns of the file stand in docs/fo
 examples
   benchbench certify plan.csv --scenario race scenario.gates=3 --name my_planner
   benchbench certify plan.csv --scenario circle scenario.kappa_init=5
+  benchbench certify togt.csv --scenario race --motors agilicious vehicle.lever=0.1061
 """
 
 
@@ -31,6 +32,9 @@ def run(arguments: Sequence[str]) -> int | list[str]:
         raise BadInput("--scenario", problem, "--scenario NAME")
     scenario = [] if given else [f"+scenario={asked.scenario}"]
     form = [f"strategy.interpolation={asked.interpolation}"]
+    if asked.motors:
+        numbers = asked.motors.split(",")
+        form.append(f"strategy.motors={asked.motors if len(numbers) == 1 else f'[{asked.motors}]'}")
     file, name = (quoted(text) for text in (asked.plan, asked.name))
     return [
         *scenario,
@@ -44,10 +48,18 @@ def run(arguments: Sequence[str]) -> int | list[str]:
 
 def _parser() -> Parser:
     parser = Parser("certify", "Judge a plan from a file by our certificate.", EPILOG)
-    parser.add_argument("plan", nargs="?", metavar="PLAN.csv", help="the plan: CSV, or a plan.mcap")
+    parser.add_argument(
+        "plan", nargs="?", metavar="PLAN.csv", help="the plan: CSV, a plan.mcap, or an exported ROS 2 file"
+    )
     parser.add_argument("--scenario", metavar="NAME", help="the task it is for")
     parser.add_argument(
         "--name", default="foreign", help="who made it, as the solver of the record (default: foreign)"
+    )
+    parser.add_argument(
+        "--motors",
+        metavar="ORDER",
+        help="how the file numbers the motors: a convention (cpc, agilicious, px4), or for each of ours its number there, "
+        "such as 4,1,3,2; docs/foreign_plans.md has a picture",
     )
     parser.add_argument(
         "--interpolation",

@@ -6,6 +6,8 @@ copy of these folders in which track and limits are ours. Limits are soft there;
 
 from __future__ import annotations
 
+import math
+import re
 import shutil
 from pathlib import Path
 from typing import Any, ClassVar, final
@@ -42,6 +44,11 @@ class Togt(Peer):
         for needed in (self.program[0], f"parameters/{self.parameters}"):
             if not (self.folder / needed).exists():
                 return f"'{self.folder}' has no {needed}; needed is a checkout of TOGT-Planner, built"
+        if place := _compiled_in(self.folder, self.folder / self.program[0]):
+            return (
+                f"the program has the path '{place}' compiled in (PROJECT_ROOT in its tests), so it would plan its own track and "
+                'overwrite files there; build a version that reads ../parameters, or one with PROJECT_ROOT=".."'
+            )
         return ""
 
     def call(self, race: Race, racer: Racer, work: Path) -> Call:
@@ -59,7 +66,26 @@ class Togt(Peer):
             _limit(path, race, racer)
         command = [str(source / self.program[0]), *self.program[1:]]
         result = work / "resources" / "trajectory" / self.result
-        return Call(command, work / "build", result, "linear", _each_time_once)
+        parameters = work / "parameters" / self.parameters
+        by_arm = any("armLength" in _told(path) for path in parameters.rglob("*.yaml"))
+        motors = "agilicious" if by_arm else "ours"
+        return Call(command, work / "build", result, "linear", _each_time_once, motors)
+
+
+def _compiled_in(folder: Path, program: Path) -> str:
+    """The path of a checkout that a program uses as it stands in it, "" where there is none.
+
+    It is the checkout's, or the one that CMake says it was built from; paths of source files, as debuggers want them, do not count.
+    """
+    cache = folder / "build" / "CMakeCache.txt"
+    told = cache.read_text(errors="replace").splitlines() if cache.is_file() else []
+    homes = [line.partition("=")[2] for line in told if line.startswith("CMAKE_HOME_DIRECTORY:")]
+    data = program.read_bytes()
+    for place in (str(folder.resolve()), str(folder.absolute()), *homes):
+        used = re.escape(place.rstrip("/").encode()) + rb"(?:/|/(?:parameters|resources)[^\0]*)?\0"
+        if re.search(rb"\0" + used, data):
+            return place
+    return ""
 
 
 def _each_time_once(text: str) -> str:
@@ -88,7 +114,7 @@ def _track(race: Race, racer: Racer) -> dict[str, Any]:
 
 def _limit(path: Path, race: Race, racer: Racer) -> None:
     """Write vehicle and limits into one of its files, where it has these fields."""
-    told = yaml.safe_load(path.read_text())
+    told = _told(path)
     low, high = race.workspace.get("z", (-1e4, 1e4))
     (x, y, z), (least, most) = racer.body_rate, racer.motor_force
     lever, yaw = racer.lever, racer.torque_coefficient
@@ -101,9 +127,16 @@ def _limit(path: Path, race: Race, racer: Racer) -> None:
     ours = {
         "mass": racer.mass, "gravity": racer.gravity, "inertia": list(racer.inertia), "T_bm": mixer, "maxThr": most,
         "minThr": least, "maxOmgXY": min(x, y), "maxOmgZ": z, "boundZ": [low, high],
+        "armLength": lever * math.sqrt(2), "beta": 45.0, "torCoeff": yaw,
     }  # fmt: skip
-    if isinstance(told, dict):
+    if told:
         _write(path, {**told, **{key: value for key, value in ours.items() if key in told}})
+
+
+def _told(path: Path) -> dict[str, Any]:
+    """What a file of parameters says, nothing where it is no mapping."""
+    told = yaml.safe_load(path.read_text())
+    return told if isinstance(told, dict) else {}
 
 
 def _write(path: Path, told: dict[str, Any]) -> None:
