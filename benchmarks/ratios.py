@@ -1,0 +1,111 @@
+"""CPU time against an earlier commit: `python benchmarks/ratios.py PYTHON_OF_THE_OTHER [runs] [part ...]`.
+
+PYTHON_OF_THE_OTHER is the interpreter of an environment in which that commit is installed. Both programs run in turn, in fresh
+processes and fresh folders, A B A B, after one run of each that fills the cache of compiled blocks; printed are the medians of
+their CPU seconds, children included, and of the ratios pair by pair. On a shared machine read the ratios.
+
+Parts: command, help, version, refusal, sweep (a run among others: eight runs less two, over six), certificate (of a plan
+that is there already, which both need to find by the names of today).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+
+CIRCLE = ("+scenario=circle", "solver=ipopt")
+SWEEP = ("-m", *CIRCLE, "scenario.intervals=25", "workers=1")
+CERTIFY = """
+import json, sys, time
+from benchbench import pipeline
+from benchbench.certificate.certify import certify
+from benchbench.run import config
+case = config.compose(*sys.argv[1:])
+plan = pipeline.run(case).result.plan
+taken = []
+for _ in range(6):
+    began = time.process_time()
+    certify(plan, case.scenario, case.model, case.limits)
+    taken.append(time.process_time() - began)
+print(json.dumps(sorted(taken[1:])[2]))
+"""
+Measure = Callable[[str], float]
+
+
+def main(other: str, runs: int, wanted: list[str]) -> None:
+    """Print the table."""
+    parts: dict[str, tuple[str, Measure]] = {
+        "command": ("default command, circle", lambda python: _cpu(python, *CIRCLE)),
+        "help": ("--help", lambda python: _cpu(python, "--help")),
+        "version": ("--version", lambda python: _cpu(python, "--version")),
+        "refusal": ("a solver that does not exist", lambda python: _cpu(python, *CIRCLE[:1], "solver=nope")),
+        "sweep": ("a run in a sweep, circle, N = 25", _in_a_sweep),
+        "certificate": ("certificate, circle, N = 100", lambda python: _certificate(python, *CIRCLE)),
+        "coarse": (
+            "certificate, circle, N = 25",
+            lambda python: _certificate(python, *CIRCLE, "scenario.intervals=25"),
+        ),
+        "gates": (
+            "certificate, 19 gates",
+            lambda python: _certificate(python, "+scenario=race", "scenario.gates=19"),
+        ),
+    }
+    print("| what | then s | now s | ratio, median (min to max) |\n|---|---|---|---|")
+    for name in wanted or parts:
+        what, measure = parts[name]
+        pairs = [(measure(other), measure(sys.executable)) for _ in range(runs + 1)][1:]
+        ratios = [now / then for then, now in pairs]
+        then, now = (statistics.median(column) for column in zip(*pairs, strict=True))
+        spread = f"{min(ratios):.3f} to {max(ratios):.3f}"
+        print(f"| {what} | {then:.3f} | {now:.3f} | {statistics.median(ratios):.3f} ({spread}) |", flush=True)
+
+
+def _cpu(python: str, *arguments: str) -> float:
+    """CPU seconds of one call of the program, children included."""
+    before = _children()
+    with tempfile.TemporaryDirectory() as scratch:
+        subprocess.run(
+            [python, "-m", "benchbench", *arguments],
+            cwd=scratch,
+            env=_environment(),
+            capture_output=True,
+            check=False,
+        )
+    return _children() - before
+
+
+def _in_a_sweep(python: str) -> float:
+    few, many = (_cpu(python, *SWEEP, f"seed=range(0,{count})") for count in (2, 8))
+    return (many - few) / 6
+
+
+def _certificate(python: str, *overrides: str) -> float:
+    with tempfile.TemporaryDirectory() as scratch:
+        done = subprocess.run(
+            [python, "-c", CERTIFY, *overrides],
+            cwd=scratch,
+            env=_environment(),
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    return float(json.loads(done.stdout.splitlines()[-1]))
+
+
+def _children() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def _environment() -> dict[str, str]:
+    return {**os.environ, "OMP_NUM_THREADS": "1"}
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], int((*sys.argv[2:], "5")[0]), sys.argv[3:])
