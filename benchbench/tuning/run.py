@@ -12,6 +12,7 @@ from rich.table import Table
 
 from benchbench.storage.files import RECORD
 from benchbench.tuning import outcome
+from benchbench.tuning.begun import bury, check_same
 from benchbench.tuning.search import search
 from benchbench.tuning.space import read
 from benchbench.tuning.task import StudySettings
@@ -27,9 +28,13 @@ def run(
     task = StudySettings.of(**asked)
     space = read(arguments, over)
     study = task.open()
+    check_same(study, space)
+    folder.mkdir(parents=True, exist_ok=True)
     console = Console(highlight=False, soft_wrap=True)
     if before := len(study.trials):
-        console.print(f"study '{task.study_name}' goes on after {before} trials")
+        dead = bury(study, folder)
+        died = f", {dead} of which died with an earlier process" if dead else ""
+        console.print(f"study '{task.study_name}' goes on after {before} trials{died}")
 
     counts: dict[int, int] = {}
 
@@ -40,7 +45,7 @@ def run(
         launch(place, runs, first)
         return [_record(place / str(first + n) / RECORD) for n in range(len(runs))]
 
-    search(task, study, space, plan, console.print)
+    search(task, study, space, plan, console.print, folder)
     paths = outcome.write(study, task.objectives, folder, space.fixed, space.problems[0])
     _show(console, task, outcome.front(study))
     for name, path in paths.items():
@@ -60,7 +65,7 @@ def _record(path: Path) -> Mapping[str, Any] | None:
 
 def _show(console: Console, task: StudySettings, best: Sequence[Any]) -> None:
     if not best:
-        console.print("no trial has all its plans certified")
+        console.print("no trial has all its plans certified, with every objective a number")
         return
     table = Table(title="Pareto front" if len(task.objectives) > 1 else "best trial")
     for head in (*task.objectives, "trial", *best[0].params):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import optuna
 from optuna.trial import FrozenTrial, Trial, TrialState
 
 from benchbench.storage.status import Status
+from benchbench.tuning.begun import at_work
 from benchbench.tuning.outcome import good
 from benchbench.tuning.space import SearchSpace
 from benchbench.tuning.task import StudySettings
@@ -21,27 +23,36 @@ CarryOut = Callable[[int, Sequence[Sequence[str]]], Sequence[Mapping[str, Any] |
 
 
 def search(
-    task: StudySettings, study: optuna.Study, space: SearchSpace, plan: CarryOut, told: Callable[[str], None]
-) -> None:
-    """Do `task.n_trials` trials."""
+    task: StudySettings, study: optuna.Study, space: SearchSpace, plan: CarryOut, told: Callable[[str], None], folder: Path,
+) -> None:  # fmt: skip
+    """Do `task.n_trials` trials; folder: where it is noted which are at work."""
     for _ in range(task.n_trials):
         trial = study.ask(space.tuned)
-        chosen = tuple(f"{field}={value}" for field, value in trial.params.items())
-        runs = [(*space.fixed, *problem, *chosen) for problem in space.problems]
-        batches = [[run] for run in runs] if task.prune else [runs]
-        done: list[Mapping[str, Any] | None] = []
-        for batch in batches:
-            reporting = [_reporting(task, trial.number, done)] if task.prune == "steps" else []
-            done += plan(trial.number, [[*run, *reporting] for run in batch])
-            if _given_up(done):
+        with at_work(trial, folder):
+            _try(task, study, space, plan, told, trial)
+
+
+def _try(
+    task: StudySettings, study: optuna.Study, space: SearchSpace, plan: CarryOut, told: Callable[[str], None], trial: Trial,
+) -> None:  # fmt: skip
+    chosen = tuple(f"{field}={value}" for field, value in trial.params.items())
+    runs = [(*space.fixed, *problem, *chosen) for problem in space.problems]
+    batches = [[run] for run in runs] if task.prune else [runs]
+    done: list[Mapping[str, Any] | None] = []
+    for batch in batches:
+        reporting = [_reporting(task, trial.number, done)] if task.prune == "steps" else []
+        done += plan(trial.number, [[*run, *reporting] for run in batch])
+        if _given_up(done):
+            break
+        if task.prune == "problems":
+            trial.report(_cost(done[-1], task.objectives[0]), len(done) - 1)
+            if len(done) < len(runs) and (
+                trial.should_prune() or (_bad(done, task.objectives) and good(study))
+            ):
                 break
-            if task.prune == "problems":
-                trial.report(_cost(done[-1], task.objectives[0]), len(done) - 1)
-                if len(done) < len(runs) and (trial.should_prune() or (_bad(done) and good(study))):
-                    break
-        bad = _bad(done)
-        _tell(task, study, trial, done, bad, len(runs))
-        told(_line(study.trials[trial.number], task.objectives, len(done), bad, chosen))
+    bad = _bad(done, task.objectives)
+    _tell(task, study, trial, done, bad, len(runs))
+    told(_line(study.trials[trial.number], task.objectives, len(done), bad, chosen))
 
 
 def _tell(
@@ -75,8 +86,12 @@ def _quoted(text: str) -> str:
     return "'" + text.replace("'", "\\'") + "'"
 
 
-def _bad(done: Sequence[Mapping[str, Any] | None]) -> int:
-    return sum(not (record and record["certified"]) for record in done)
+def _bad(done: Sequence[Mapping[str, Any] | None], names: Sequence[str]) -> int:
+    """Plans that are not certified, or of which an objective is no number."""
+    return sum(
+        not (record and record["certified"] and all(record[name] is not None for name in names))
+        for record in done
+    )
 
 
 def _given_up(done: Sequence[Mapping[str, Any] | None]) -> bool:
