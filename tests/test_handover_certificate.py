@@ -261,6 +261,7 @@ def test_rewards_are_added_up() -> None:
     for a, b, reward in (((1, 2), (4, 5), 0.75), ((1, 2), (), 0.5), ((), (4, 5), 0.25), ((), (), 0.0)):
         found = judged(visiting(a, b), **both)
         assert found.certified and found.measures.reward_s == reward
+        assert found.measures.contact_steps == (2 if reward else 0)
 
 
 def test_a_plan_without_numbers_is_asked_nothing_else_of_its_flight() -> None:
@@ -274,6 +275,16 @@ def test_a_plan_without_numbers_is_asked_nothing_else_of_its_flight() -> None:
     record = found.record()
     assert (record["max_violation"], record["max_product"]) == (1e-9, 1e-9)
     assert record["replay_end_error_m"] is None and record["max_rate_ratio"] is None
+
+
+def test_how_far_the_flight_ends_from_its_end() -> None:
+    """One per cent less thrust for the last 0.8 s: a fall of 3.14 cm, most of it at the very end."""
+    plan = hover(4, 5)
+    weak = plan.inputs.copy()
+    weak[-2:, :4] *= 0.99
+    found = judged(replace(plan, inputs=weak))
+    assert found.record()["replay_end_error_m"] == pytest.approx(0.01 * 9.8066 * 0.8**2 / 2, rel=1e-3)
+    assert only(found, "replay_end").value == found.record()["replay_end_error_m"]
 
 
 def test_after_a_breakdown_the_flight_is_asked_for_nothing() -> None:

@@ -12,7 +12,7 @@ from benchbench.arrays import Array
 from benchbench.certificate import sequential
 from benchbench.certificate.dop853 import along, step
 from benchbench.certificate.pieces import Pieces, slope
-from benchbench.certificate.replay import FAR, TOLERANCE, fly
+from benchbench.certificate.replay import FAR, TOLERANCE, defects, fly, replay
 from benchbench.certificate.shooting import PARTS, Shot, roughly, settled
 from benchbench.ocp.plan import Plan
 
@@ -202,6 +202,19 @@ def test_the_flight_in_turn_ends_where_it_breaks_down() -> None:
     np.testing.assert_allclose(anew[2:, :, 1], 0.0, atol=1e-12)
     ends = sequential.ends(begun, wild, TOLERANCE, FAR)
     np.testing.assert_allclose(ends[:, 1], [1 / 0.7, 1 / 0.8, 0, 0], rtol=1e-8)
+
+
+def test_a_calm_plan_is_not_flown_in_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: object) -> Array:
+        raise AssertionError("flown in turn")
+
+    monkeypatch.setattr(sequential, "ends", never)
+    monkeypatch.setattr(sequential, "flight", never)
+    for restarts in ((), (2,)):
+        flight = replay(swinging(), Point(spring), restart_nodes=restarts)
+        np.testing.assert_allclose(flight.configuration[:, 0], swing(flight.time)[0], atol=1e-8)
+        fly(swinging(), Point(spring), restart_nodes=restarts)
+    np.testing.assert_allclose(defects(swinging(), Point(spring)).velocity, 0, atol=1e-8)
 
 
 def test_defects_and_flight_come_together() -> None:

@@ -292,6 +292,10 @@ def test_limits_grow_along_the_ramp() -> None:
     assert {c.name: c.value for c in slow.broken} == pytest.approx(expected, abs=1e-6)
     assert "'wz' exceeds its limits by 0.0025 rad/s at node 10" in slow.reasons[0]
     assert "t=2.000 s" in slow.reasons[1]
+    angles = vehicle(ramp=late.ramp, attitude="euler")
+    same = judged(climb("euler"), angles)
+    expected = {"planned_output": 0.0025, "replay_rate": 0.1 / 0.0975}
+    assert {c.name: c.value for c in same.broken} == pytest.approx(expected, abs=1e-6)
 
 
 @pytest.mark.parametrize(
