@@ -52,7 +52,7 @@ def ahead(metres: float) -> list[float]:
     return [metres, 0.0, HEIGHT]
 
 
-@pytest.mark.parametrize("time", [0.0312, 0.5004, 0.50051, 1.2347, 2.2221])
+@pytest.mark.parametrize("time", [0.0312, 0.5004, 0.50051, 1.2347, 2.2221, 5.9995])
 def test_a_window_at_the_end_is_bounded_to_one_cell(time: float) -> None:
     """The way to a resting target takes `time`; the end is anywhere, so nothing else counts."""
     anywhere = LIMITS.model_copy(update={"end_position": 9.0})

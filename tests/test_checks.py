@@ -11,7 +11,7 @@ from typing import Any, final
 import numpy as np
 import pytest
 from rich.console import Console
-from test_certificate import LIMITS, only_reason
+from test_certificate import LIMITS, SOLVED, only_reason
 from test_handover_certificate import MODEL, hover, task
 
 import benchbench as bb
@@ -52,6 +52,12 @@ def present(evidence: bb.Evidence) -> Iterator[bb.Check]:
     """All the evidence is there, of every state component."""
     for values in (evidence.missed.configuration, evidence.missed.velocity, evidence.flight.velocity):
         yield bb.Check("present", float(values.size), 0.0, "1", bool(np.isfinite(values).all()))
+
+
+def posed(evidence: bb.Evidence) -> bb.Check:
+    """What is left of the problem that the plan came from."""
+    assert evidence.residuals is not None
+    return bb.Check("posed", evidence.residuals.max_violation, 1.0, "1", True)
 
 
 def unknown(evidence: bb.Evidence) -> bb.Check:
@@ -96,6 +102,13 @@ def test_further_checks_are_asked_of_all_the_evidence() -> None:
     found = certify(plan, task(), MODEL, limits(present=True, acceleration=100.0, unknown=None))
     assert found.certified
     assert [check.name for check in found.checks][-4:] == ["present", "present", "present", "acceleration"]
+    later = certify(plan, task(), MODEL, limits(unknown=None, posed=True), SOLVED)
+    assert later.certified and later.checks[-1] == bb.Check("posed", 1e-9, 1.0, "1", True)
+
+
+def test_only_long_flights_are_begun_anew() -> None:
+    told = LIMITS.model_copy(update={"restart_seconds": 1.5, "restart_beyond": 4.0})
+    assert [told.restarts(time) for time in (3.0, 4.0, 4.001, 60.0)] == [None, None, 1.5, 1.5]
 
 
 def test_what_is_not_a_number_passes_no_check() -> None:
@@ -145,7 +158,7 @@ def test_a_stored_configuration_names_no_function_by_its_path() -> None:
 
 def test_what_gives_no_check_is_bad_input() -> None:
     plan = hover(4, 5)
-    with pytest.raises(BadInput, match="opinion: gives a bool"):
+    with pytest.raises(BadInput, match=r"opinion: gives a bool; allowed: a benchbench\.Check, or several"):
         certify(plan, task(), MODEL, limits(opinion=True))
 
 
