@@ -148,7 +148,7 @@ def test_same_case_twice_in_one_process_gives_the_same_plan() -> None:
 @pytest.mark.parametrize(
     ("overrides", "strategy"),
     [
-        ("+scenario=static", "phases"),
+        ("+scenario=static", "auto"),
         ("+scenario=static relaxation=kadrani", "relax"),
         ("+scenario=static relaxation.schedule=[1e-6]", "relax"),
         ("+scenario=race relaxation=scholtes", "relax"),

@@ -11,7 +11,7 @@ from program import assert_refused, records, told
 
 from benchbench.arrays import Array
 
-SMALL = ("+scenario=static", "strategy.margin=0", "scenario.intervals=12")
+SMALL = ("+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=12")
 
 
 def pixels(path: Path) -> Array:

@@ -13,7 +13,7 @@ from program import assert_refused, told
 from benchbench.cli import front
 from benchbench.run import choices, config
 
-SMALL = ("+scenario=static", "strategy.margin=0", "scenario.intervals=12", "picture=false")
+SMALL = ("+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=12", "picture=false")
 HEAVY = {"numpy", "scipy", "pandas", "casadi", "hydra", "pydantic", "pyarrow", "matplotlib", "omegaconf"}
 LATER = {"scipy", "pandas", "matplotlib"}
 

@@ -92,9 +92,10 @@ class Case(AnyCase, Formulation):
         return certify(result.plan, self.scenario, self.model, self.limits, found)
 
     def told(self, result: Result) -> Mapping[str, Any]:
-        """Grid, times, and the task where the plan is ours on the scenario's own grid, so comparable with others."""
+        """Grid, times, and the task where the plan is ours, on the scenario's own grid or refined from it, so comparable."""
         plan, scenario = result.plan, self.scenario
-        comparable = result.posed is not None and plan.intervals == scenario.grid_intervals
+        own = plan.intervals == scenario.grid_intervals or result.refined
+        comparable = result.posed is not None and own
         return {
             "intervals": plan.intervals,
             **columns(scenario),

@@ -24,10 +24,12 @@ class Step:
     margins: Margins
 
 
-def next_step(found: Certificate, case: Case, margins: Margins, most: float, may_refine: bool) -> Step | None:
+def next_step(
+    found: Certificate, case: Case, margins: Margins, most: float, may_refine: bool, least: Margins = NONE
+) -> Step | None:
     """Return what may cure all that the certificate found; None where nothing will.
 
-    Margins of up to `CHEAP` are taken where margins alone cure it: the transcription of the planned flight is right, its
+    margins: those that the plan was made with; least: those that any plan is made with. Margins of up to `CHEAP` are taken where margins alone cure it: the transcription of the planned flight is right, its
     limits are passed between the nodes. Errors of the transcription and larger margins ask for a finer grid, and where
     there may be none for margins of up to `most`.
     """
@@ -37,7 +39,15 @@ def next_step(found: Certificate, case: Case, margins: Margins, most: float, may
     )
     if curable and (_cheap(raised) or not may_refine):
         return Step(False, raised)
-    return Step(True, NONE) if may_refine else None
+    return Step(True, _ahead(raised, least, most)) if may_refine else None
+
+
+def _ahead(raised: Margins, least: Margins, most: float) -> Margins:
+    """Margins for a finer grid: of contacts half of what this one asks for, which costs less than another round."""
+    own = least["contact_margin"]
+    halves = {name: min(share / 2, most) for name, share in raised["contact_margin"].items()}
+    halves = {name: share for name, share in halves.items() if share > own.get(name, 0.0)}
+    return {"rate_margin": least["rate_margin"], "contact_margin": {**own, **halves}}
 
 
 def _cheap(margins: Margins) -> bool:

@@ -18,7 +18,7 @@ from benchbench.planning.strategy import pose
 
 COARSE = 0.25
 """Share of the intervals that the first grid has."""
-WARM = 100
+WARM = 70
 """Iterations that a solve with multipliers may use: a good start needs 15 to 60."""
 FEWEST = 16
 """Intervals that the first grid has at least."""
@@ -56,3 +56,17 @@ def climb(case: Case, ledger: Ledger, start: Plan) -> Result:
     if below is None or (not below.claimed and not ledger.over):
         return rung(case, ledger, start)
     return rung(case, ledger, below.plan, below) if below.claimed else below
+
+
+def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
+    """Make a start: climb phases, then one step size with contacts, or gates, held at the nearest nodes; all smooth.
+
+    The last solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
+    window on its way back. It starts from the multipliers of the one before, with which it takes half as many iterations.
+    """
+    with ledger.guessing():
+        found = climb(case, ledger, start)
+    with ledger.building():
+        problem = posing.held(case, found.plan)
+    with ledger.guessing():
+        return pose(problem, case, ledger, "guess: window", found)

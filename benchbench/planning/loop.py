@@ -11,7 +11,7 @@ from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.planning.findings import next_step
 from benchbench.planning.ladder import climb, on_grid, rung
-from benchbench.planning.margins import NONE, Margins, with_margins
+from benchbench.planning.margins import NONE, Margins, own_margins, with_margins
 from benchbench.planning.mesh import halved, marked, steady
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge
@@ -26,6 +26,7 @@ Refinement = Literal["local", "uniform"]
 class Loop:
     """Rounds from any number of starts, on grids of at most `finest` intervals, with margins of at most `margin`.
 
+    margin      0: those of the scenario instead of measured ones
     refinement  where a grid is refined: in the intervals in which the replay found errors, or everywhere
     told        what each round gave, in words
     tried       each result that claims success, with its certificate
@@ -42,11 +43,13 @@ class Loop:
     @property
     def best(self) -> Result:
         """The first certified result, else the one that breaks the fewest limits, else the last that was tried."""
-        return min(self.tried, key=lambda one: (not one[0].claimed, _broken(one[1])))[0]
+        best, _ = min(self.tried, key=lambda one: (not one[0].claimed, _broken(one[1])))
+        return replace(best, refined=True)
 
     def round(self, case: Case, start: Plan) -> bool:
         """Plan from one start until the certificate accepts; returns whether it does."""
-        level, margins = with_margins(case, NONE), NONE
+        least = NONE if self.margin else own_margins(case.scenario)
+        level, margins = with_margins(case, least), least
         found = climb(level, self.ledger, start)
         for _ in range(ROUNDS):
             certificate = judge(found, self.case, self.ledger) if found.claimed else None
@@ -54,7 +57,9 @@ class Loop:
             self.told.append(_sentence(found, certificate, margins))
             if certificate is None or certificate.certified or self.ledger.over:
                 break
-            step = next_step(certificate, level, margins, self.margin, found.plan.intervals < self.finest)
+            step = next_step(
+                certificate, level, margins, self.margin, found.plan.intervals < self.finest, least
+            )
             if step is None:
                 break
             if step.finer:

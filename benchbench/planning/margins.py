@@ -82,6 +82,11 @@ def _(scenario: Handover, margins: Margins) -> Scenario:
     return scenario.model_copy(update=margins)
 
 
+def own_margins(scenario: Scenario) -> Margins:
+    """Return the margins that a scenario comes with, of those that its kind has."""
+    return {field: dict(getattr(scenario, field, {})) for field in NONE}
+
+
 def largest(margins: Margins) -> float:
     """The largest of all margins, 0 without any."""
     return max((m for own in margins.values() for m in own.values()), default=0.0)

@@ -40,6 +40,8 @@ class Result:
     planned  the plan; None where the MPCC came ready-made and is no flight
     planner  who made a plan elsewhere
     account  what the strategy did to get there, as columns of the record
+    refined  the scenario's own grid was refined because its plan was not certified; so the plan, on another grid, is the
+             answer to the task, and its travel time may be compared with others'
 
     Strategies, which pose flights, read `solution` and `plan`, which are never None.
     """
@@ -48,6 +50,7 @@ class Result:
     planned: Plan | None = None
     planner: str = ""
     account: Mapping[str, Any] = field(default_factory=dict)
+    refined: bool = False
 
     @classmethod
     def of(cls, problem: Problem, solved: Solved) -> Result:

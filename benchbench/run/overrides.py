@@ -11,7 +11,7 @@ from omegaconf import DictConfig, OmegaConf
 from benchbench.errors import BadInput
 from benchbench.ocp.track_file import beside_the_lap
 
-SMOOTH, RELAXING = "phases", "relax"
+SMOOTH, RELAXING = "auto", "relax"
 """The default strategy, which has no complementarity to relax, and the one for those who ask for a relaxation."""
 TRACK = "scenario.track"
 MARGINS = ("scenario.rate_margin", "scenario.contact_margin")

@@ -104,7 +104,7 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         lines.append(("contact", f"{_contacts(r)}\n{_worst(r)}"))
     if r["search"]:
         lines.append(("search", r["search"]))
-    if r["refinement"]:
+    if len(r["refinement"] or ()) > 1:
         lines.append(("grids", "\n".join(r["refinement"])))
     if r["starts"]:
         certified = f"{r['starts_certified']} of {r['starts']} certified"
