@@ -23,6 +23,24 @@ def pytest_collection_finish() -> None:
     gc.freeze()
 
 
+LONGEST = (
+    "test_hostile",
+    "test_launcher",
+    "test_tune",
+    "test_strategies",
+    "test_report",
+    "test_third_party",
+    "test_cluster",
+)
+"""Files that begin first, so that no core is left waiting for one of their tests in the end."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what takes longest."""
+    order = {name: place for place, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: order.get(item.path.stem, len(order)))
+
+
 @pytest.fixture(scope="session")
 def once(tmp_path_factory: pytest.TempPathFactory) -> Once:
     """Make a folder of a name once per session."""

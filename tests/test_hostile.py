@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import os
+import pickle
 import sys
+from pathlib import Path
 
 import pytest
 from hostile import WAYS
 from hostile_sweep import SLOW, Swept, Truth, alone, swept
+from sharing import Once
 
 from benchbench.sweep import log
 
@@ -19,12 +22,18 @@ EVERY = 12
 
 
 @pytest.fixture(scope="module")
-def sweep(tmp_path_factory: pytest.TempPathFactory) -> Swept:
+def sweep(once: Once) -> Swept:
     """All ways but those that end at the wall-clock limit (benchmarks/hostile.py has them, and an honest run after each)."""
+    found: Swept = pickle.loads((once("hostile", sweep_of_all) / "swept.pickle").read_bytes())
+    return found
+
+
+def sweep_of_all(folder: Path) -> None:
     names = []
     for n in range(0, len(QUICK), EVERY):
         names += [*QUICK[n : n + EVERY], f"fine_{n}"]
-    return swept(tmp_path_factory.mktemp("hostile") / "sweep", names, 2, "+strategy.after=raise")
+    found = swept(folder / "sweep", names, 2, "+strategy.after=raise")
+    (folder / "swept.pickle").write_bytes(pickle.dumps(found))
 
 
 @pytest.fixture(scope="module")

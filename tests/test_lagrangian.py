@@ -16,7 +16,12 @@ from benchbench.run import config
 def case(dynamics: str) -> tuple[Case, Case]:
     """The same small case with the whole model and with the bare one."""
     whole = config.compose(
-        "+scenario=static", f"dynamics={dynamics}", "scenario.intervals=15", "strategy=phases"
+        "+scenario=static",
+        f"dynamics={dynamics}",
+        "scenario.intervals=15",
+        "strategy=phases",
+        "strategy.margin=0",
+        "compile=never",
     )
     return whole, replace(whole, model=Bare(whole.model))
 

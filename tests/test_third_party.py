@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from sharing import Once
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "examples" / "third_party"
@@ -55,9 +56,12 @@ print(json.dumps(told, default=str))
 
 
 @pytest.fixture(scope="module")
-def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def python(once: Once) -> Path:
     """Interpreter of an environment that has our dependencies and the stranger's package."""
-    folder = tmp_path_factory.mktemp("fresh")
+    return once("third_party", fresh) / "bin" / "python"
+
+
+def fresh(folder: Path) -> None:
     venv.create(folder, with_pip=False)
     found = folder / "bin" / "python"
     where = "import sysconfig; print(sysconfig.get_path('purelib'))"
@@ -68,7 +72,6 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     subprocess.run(
         [*pip, "install", "--quiet", "--no-deps", str(PACKAGE)], check=True, capture_output=True, timeout=300
     )
-    return found
 
 
 @pytest.fixture(scope="module")
