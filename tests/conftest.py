@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import gc
 import os
+import sys
 from functools import partial
 from pathlib import Path
 
 import pytest
 from sharing import Once, made_once
 
-os.environ.setdefault(
-    "OMP_NUM_THREADS", "1"
-)  # libraries read it when they are loaded; one worker per core is enough
-os.environ.pop(
-    "PYTHONDONTWRITEBYTECODE", None
-)  # tests start hundreds of interpreters, one may compile our files
+# Libraries read it when they are loaded; one worker per core is enough.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+# Tests start hundreds of interpreters: one may compile our files for the next, and pytest keep its rewritten ones.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 
 def pytest_collection_finish() -> None:
