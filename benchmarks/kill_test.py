@@ -46,7 +46,12 @@ def main() -> int:
             rough = Path(scratch, str(sweeps))
             rough.mkdir()
             rows = kill_and_resume(  # AssertionError for an orphan
-                rough, 3, whole, seed + sweeps, DRAWN, lambda at=rough / "results": lost.append(lacking(at))
+                rough,
+                3,
+                1.3 * whole,
+                seed + sweeps,
+                DRAWN,
+                lambda at=rough / "results": lost.append(lacking(at)),
             )
             met += [count for count in rows if count < RUNS]
             poor += lacking(rough / "results")

@@ -20,6 +20,7 @@ from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.ready import ReadyMade, whole
 from benchbench.ocp.reading import content
 from benchbench.ocp.sizes import JSON_BYTES
+from benchbench_plugins.collections.probing import unreadable
 from benchbench_plugins.collections.serialized import foreign
 
 FUNCTIONS = {"f": "augmented_objective_fun", "g": "g_fun", "G": "G_fun", "H": "H_fun"}
@@ -52,16 +53,27 @@ class MpccFile(ReadyMade):
             raise self._wrong(f"has no '{missing[0]}'")
         try:
             w0, lbw, ubw, lbg, ubg, p0 = (_numbers(key, told[key]) for key in NUMBERS)
-            functions = {name: self._function(told[key], key) for name, key in FUNCTIONS.items()}
+            texts = {name: self._checked(told[key], key) for name, key in FUNCTIONS.items()}
+            if not self.trust and (problem := unreadable([*texts.values()])):
+                raise ValueError(f"one of its functions {problem}")
+            functions = {name: ca.Function.deserialize(text) for name, text in texts.items()}
             return whole(functions, p0, w0, (lbw, ubw), (lbg, ubg))
-        except (ValueError, TypeError, RuntimeError) as error:  # CasADi's are RuntimeErrors
-            raise self._wrong(f"is no MPCC: {str(error).strip().splitlines()[-1]}") from None
+        except (
+            ValueError,
+            TypeError,
+            RuntimeError,
+            MemoryError,
+            OverflowError,
+        ) as error:  # CasADi's are RuntimeErrors
+            raise self._wrong(f"is no MPCC: {_said(error)}") from None
 
-    def _function(self, text: Any, key: str) -> ca.Function:
-        if not self.trust and (problem := foreign(str(text))):
+    def _checked(self, text: Any, key: str) -> str:
+        if not isinstance(text, str):
+            raise ValueError(f"{key} is no serialised CasADi function")
+        if not self.trust and (problem := foreign(text)):
             allowed = "expressions only (SX or MX); scenario.trust=true where you know who made the file"
             raise BadInput("scenario.path", f"'{self.path}': '{key}' {problem}", allowed)
-        return ca.Function.deserialize(text)
+        return text
 
     def _read(self) -> Mapping[str, Any]:
         data = content(self.path, "scenario.path", JSON_BYTES, FORM)
@@ -87,3 +99,8 @@ def _numbers(key: str, value: Any) -> Array:
         return np.atleast_1d(np.asarray(value, float)).ravel()
     except (ValueError, TypeError, OverflowError):
         raise ValueError(f"{key} must be a list of numbers") from None
+
+
+def _said(error: Exception) -> str:
+    lines = str(error).strip().splitlines()
+    return lines[-1] if lines else type(error).__name__
