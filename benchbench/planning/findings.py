@@ -16,6 +16,10 @@ On `circle` 1 % of the arm's rate costs 1 to 2 ms of travel time, 1 % of the dis
 """
 
 
+AHEAD = 0.1
+"""Largest margin of a contact that a finer grid starts with."""
+
+
 @dataclass(frozen=True)
 class Step:
     """What to do next: solve on a finer grid, or on the same one with these margins."""
@@ -43,11 +47,11 @@ def next_step(
 
 
 def _ahead(raised: Margins, least: Margins, most: float) -> Margins:
-    """Margins for a finer grid: of contacts half of what this one asks for, which costs less than another round."""
+    """Margins for a finer grid: of contacts a quarter of what this one asks for, which costs less than another round."""
     own = least["contact_margin"]
-    halves = {name: min(share / 2, most) for name, share in raised["contact_margin"].items()}
-    halves = {name: share for name, share in halves.items() if share > own.get(name, 0.0)}
-    return {"rate_margin": least["rate_margin"], "contact_margin": {**own, **halves}}
+    eased = {name: min(share / 4, AHEAD, most) for name, share in raised["contact_margin"].items()}
+    eased = {name: share for name, share in eased.items() if share > own.get(name, 0.0)}
+    return {"rate_margin": least["rate_margin"], "contact_margin": {**own, **eased}}
 
 
 def _cheap(margins: Margins) -> bool:

@@ -13,7 +13,7 @@ from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.transcription.grid import Grid, Mesh
 
-MARKED = 0.5
+MARKED = 0.3
 """An interval is halved where its error exceeds this share of what the certificate allows."""
 LEFT = 1 / 8
 """What remains of the defect of an interval of a method of second order that is halved."""
