@@ -114,6 +114,7 @@ def test_only_long_flights_are_begun_anew() -> None:
 def test_what_is_not_a_number_passes_no_check() -> None:
     plan = hover(4, 5)
     assert only_reason(certify(plan, task(), MODEL, limits(unknown=True))) == "unknown is not a number"
+    assert bb.Check("x", np.nan, 1.0, "m", True).ok is False
     assert not bb.at_most("x", "x", np.nan, 1.0, "m").ok and not bb.at_least("x", "x", np.nan, 1.0, "m").ok
     assert not bb.at_most("x", "x", 1.0, np.nan, "m").ok and not bb.at_least("x", "x", 1.0, np.nan, "m").ok
 

@@ -261,6 +261,7 @@ def test_rewards_are_added_up() -> None:
     for a, b, reward in (((1, 2), (4, 5), 0.75), ((1, 2), (), 0.5), ((), (4, 5), 0.25), ((), (), 0.0)):
         found = judged(visiting(a, b), **both)
         assert found.certified and found.measures.reward_s == reward
+        assert isinstance(found.measures.reward_s, float)
         assert found.measures.contact_steps == (2 if reward else 0)
 
 

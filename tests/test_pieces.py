@@ -140,6 +140,15 @@ def test_a_long_interval_is_cut_until_each_piece_is_exact() -> None:
     np.testing.assert_allclose(alone.ends, np.column_stack(swing(time[1:])), atol=1e-8)
 
 
+@pytest.mark.parametrize(("error", "parts"), [(0.9, 1), (1.1, 2), (1.9, 2), (300.0, 3), (1e5, 5)])
+def test_a_piece_is_cut_by_the_eighth_root_of_its_error_and_a_tenth_more(error: float, parts: int) -> None:
+    """The error is set by what is tolerated; 1.1 * 300^(1/8) = 2.2 and 1.1 * 10^(5/8) = 4.6."""
+    began = shot(swinging(np.array([0.0, 0.1, 1.1, 1.2])))
+    tolerance = float(began.flown.error(1.0)[1]) / error
+    found = settled(began, np.arange(3), tolerance, FAR)
+    assert found is not None and np.bincount(found.pieces.interval).tolist() == [1, parts, 1]
+
+
 def test_what_would_need_too_many_pieces_is_left_to_the_flight_in_turn() -> None:
     """A swing sixteen hundred seconds long in one interval of four."""
     time = np.array([0.0, 0.3, 0.6, 1600.0, 1600.3])

@@ -203,6 +203,17 @@ def test_a_step_is_that_of_scipy() -> None:
         np.testing.assert_allclose(mine, solver.dense_output()(x).T, rtol=0, atol=1e-12)
 
 
+def test_the_estimate_is_that_of_scipy() -> None:
+    """Of one state at a time, absolute and relative tolerance alike; `scale` is 1e-6 (1 + |y|)."""
+    made = dop853.step(pendulum, STARTS)
+    for k, start in enumerate(STARTS):
+        solver = DOP853(pendulum, 0.0, start, 1.0, first_step=1.0, rtol=1e3, atol=1e3)
+        solver.step()
+        scale = 1e-6 * (1 + np.maximum(np.abs(start), np.abs(solver.y)))
+        expected = solver._estimate_error_norm(solver.K, 1.0, scale)
+        assert made.error(1e-6)[k] == pytest.approx(expected, rel=1e-6)
+
+
 def test_orders_and_the_estimate() -> None:
     """A step of half the length: 2^9 times exacter at its end, 2^8 inside; the estimate is above the error and falls with it."""
     ends, inside, guessed = [], [], []
