@@ -61,6 +61,26 @@ def test_what_a_relaxation_leaves_of_a_corner(a: float, b: float, kind: str, des
     assert (found.kind, found.b_stationary) == (kind, descends)
 
 
+@pytest.mark.parametrize(
+    ("off", "zero"), [(0.0, 1e-8), (1e-8, 1e-8), (2e-8, 1e-6), (1e-6, 1e-6), (3e-5, 1e-4), (1e-4, 1e-4)]
+)
+@pytest.mark.parametrize("nu", [1, -1])
+def test_what_counts_as_zero_is_at_least_the_error_of_the_point(off: float, zero: float, nu: int) -> None:
+    found = at(corner(linear(1, nu)), off, off)
+    assert (found.kind, found.active) == ("S" if nu > 0 else "W", zero)
+
+
+def test_a_point_that_is_too_far_off_is_not_classified() -> None:
+    far = at(corner(linear(1, 1)), 1.01e-4, 1.01e-4)
+    assert (far.kind, far.b_stationary) == ("undecided", "undecided")
+    assert np.isnan(far.kkt_residual) and np.isnan(far.active)
+
+
+def test_out_of_time_it_says_what_it_took_for_zero() -> None:
+    late = stationarity(corner(linear(1, 1)), np.zeros(2), 0.0)
+    assert (late.kind, late.b_stationary, late.active) == ("undecided", "undecided", 1e-8)
+
+
 def test_on_an_arm_the_other_multiplier_is_zero() -> None:
     """At (1, 0): grad f = nu (0, 1), of any sign; a part along x_0 is a residual."""
     assert at(corner(linear(0, -3)), 1.0, 0.0).kind == "S"
