@@ -67,7 +67,7 @@ def numbers(case: Case) -> None:
     stops = scenario.itinerary.listed
     if scenario.grid_intervals > INTERVALS:
         problem = f"the grid has {scenario.grid_intervals} intervals"
-        field = "nodes_per_gate" if isinstance(scenario, Race) else "intervals"
+        field = "nodes_per_gate" if "nodes_per_gate" in type(scenario).model_fields else "intervals"
         raise BadInput(f"scenario.{field}", problem, f"at most {INTERVALS} in all")
     most = (
         scenario.grid_intervals - len(stops) - 1
