@@ -122,6 +122,8 @@ def test_a_small_overshoot_takes_a_margin_and_an_error_of_the_grid_a_finer_one()
     contact = verdict(("contact_position", 0.021, 0.02))
     step = next_step(contact, case, NONE, 0.5, True)
     assert step is not None and not step.finer and 0.05 < step.margins["contact_margin"]["position"] < 0.06
+    step = next_step(contact, case, NONE, 0.5, True, patient=False)
+    assert step is not None and step.finer
     for found in (verdict(("defect_angle", 0.03, 0.02)), verdict(("contact_position", 0.04, 0.02))):
         step = next_step(found, case, NONE, 0.5, True)
         assert step is not None and step.finer and not step.margins["rate_margin"]

@@ -29,11 +29,18 @@ class Step:
 
 
 def next_step(
-    found: Certificate, case: Case, margins: Margins, most: float, may_refine: bool, least: Margins = NONE
+    found: Certificate,
+    case: Case,
+    margins: Margins,
+    most: float,
+    may_refine: bool,
+    least: Margins = NONE,
+    patient: bool = True,
 ) -> Step | None:
     """Return what may cure all that the certificate found; None where nothing will.
 
-    margins: those that the plan was made with; least: those that any plan is made with. Margins of up to `CHEAP` are taken where margins alone cure it: the transcription of the planned flight is right, its
+    margins: those that the plan was made with; least: those that any plan is made with; patient: whether
+    margins may be raised on this grid once more. Margins of up to `CHEAP` are taken where margins alone cure it: the transcription of the planned flight is right, its
     limits are passed between the nodes. Errors of the transcription and larger margins ask for a finer grid, and where
     there may be none for margins of up to `most`.
     """
@@ -41,7 +48,7 @@ def next_step(
     curable = (
         raised != margins and largest(raised) <= most and all(_by_margin(check) for check in found.broken)
     )
-    if curable and (_cheap(raised) or not may_refine):
+    if curable and ((patient and _cheap(raised)) or not may_refine):
         return Step(False, raised)
     return Step(True, _ahead(raised, least, most)) if may_refine else None
 

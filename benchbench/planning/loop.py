@@ -19,6 +19,9 @@ from benchbench.planning.strategy import judge
 ROUNDS = 10
 """Solves that may follow the first one from a start."""
 
+RAISED = 2
+"""How often margins are raised on one grid while there may be a finer one: what is exceeded even then comes back by less and less."""
+
 Refinement = Literal["local", "uniform"]
 
 
@@ -50,18 +53,18 @@ class Loop:
         """Plan from one start until the certificate accepts; returns whether it does."""
         least = NONE if self.margin else own_margins(case.scenario)
         level, margins = with_margins(case, least), least
-        found = climb(level, self.ledger, start)
+        found, raised = climb(level, self.ledger, start), 0
         for _ in range(ROUNDS):
             certificate = judge(found, self.case, self.ledger) if found.claimed else None
             self.tried.append((found, certificate))
             self.told.append(_sentence(found, certificate, margins))
             if certificate is None or certificate.certified or self.ledger.over:
                 break
-            step = next_step(
-                certificate, level, margins, self.margin, found.plan.intervals < self.finest, least
-            )
+            may_refine, patient = found.plan.intervals < self.finest, raised < RAISED
+            step = next_step(certificate, level, margins, self.margin, may_refine, least, patient)
             if step is None:
                 break
+            raised = 0 if step.finer else raised + 1
             if step.finer:
                 level = self._finer(level, found, certificate)
             margins = step.margins
