@@ -28,7 +28,7 @@ from benchbench.ocp.plan import Plan
 from benchbench.report import picture
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.limits_panel import contact_panels, limit_panels
-from benchbench.report.style import RC
+from benchbench.report.style import BAD, GOOD, RC
 from benchbench.report.views import scene
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position
@@ -415,3 +415,16 @@ def test_no_global_plot_state_and_a_face_that_loads_nothing() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
     )
     assert done.stdout.split() == ["set()", "False", "True"]
+
+
+@pytest.mark.parametrize(
+    ("verdict", "color"),
+    [("certified", GOOD), ("certified; closest to a limit: z", GOOD), ("NOT certified: z", BAD)],
+)
+def test_only_a_plan_that_is_not_certified_is_red(verdict: str, color: str) -> None:
+    plan, model = curved_plan(vehicle()), vehicle()
+    with mpl.rc_context(RC):
+        figure = picture.compose(picture.page(plan, task(), model, None, "Title", verdict), False)
+    (said,) = (text for text in figure.findobj(Text) if text.get_text() == verdict)
+    box = said.get_bbox_patch()
+    assert box is not None and mpl.colors.to_hex(box.get_facecolor()).upper() == color

@@ -26,7 +26,7 @@ from benchbench.report.panel import Panel, draw_panel
 from benchbench.report.panels import conditions
 from benchbench.report.png import Picture, write_png
 from benchbench.report.race import race_figure
-from benchbench.report.style import BAD, CONTACT, GOOD, INK, LIMIT, RC
+from benchbench.report.style import CONTACT, INK, LIMIT, RC, verdict_colour
 from benchbench.report.views import SIDE, TOP, Scene, draw_view, label_times, legend_handles, scene
 from benchbench.storage.files import replacing
 
@@ -80,7 +80,7 @@ def figure(
 
     replay   the inputs on the plant, on a dense grid; None draws the plan alone
     title    what was run, for example scenario and solver
-    verdict  "certified", or "NOT certified: <first reason>"
+    verdict  "certified", more may follow, or "NOT certified: <first reason>"
     """
     with mpl.rc_context(RC):
         return drawn(scenario, plan, model, replay, title, verdict)
@@ -138,7 +138,6 @@ def compose(page: Page, replayed: bool) -> Figure:
 
 
 def _header(figure: SubFigure, page: Page, replayed: bool) -> None:
-    color = GOOD if page.verdict == "certified" else BAD
     verdict = "\n".join(textwrap.wrap(page.verdict, 60, max_lines=2, placeholder=" ..."))
     title = textwrap.shorten(page.title, 56, placeholder=" ...")
     figure.text(0.008, 0.90, title, fontsize=17, fontweight="bold", va="top")
@@ -152,7 +151,7 @@ def _header(figure: SubFigure, page: Page, replayed: bool) -> None:
         va="top",
         ha="right",
         color="white",
-        bbox={"boxstyle": "round,pad=0.45", "facecolor": color, "edgecolor": "none"},
+        bbox={"boxstyle": "round,pad=0.45", "facecolor": verdict_colour(page.verdict), "edgecolor": "none"},
     )
     between = "replay of the inputs" if replayed else "plan"
     keys = [

@@ -24,7 +24,7 @@ from benchbench.report.grid import TITLE_IN, Margins
 from benchbench.report.panel import draw_panel
 from benchbench.report.png import Picture
 from benchbench.report.race_panels import race_panels
-from benchbench.report.style import BAD, GOOD, INK, TARGET
+from benchbench.report.style import INK, TARGET, verdict_colour
 
 WIDTH_IN, HEIGHT_IN, HEADER_IN = 14.0, 9.0, 0.75
 SPACE, COLOURS = (0.015, 0.08, 0.755, 0.88), (0.9, 0.25, 0.0165, 0.5)
@@ -87,7 +87,7 @@ def _header(figure: SubFigure, plan: Plan, race: Race, title: str, verdict: str)
     figure.text(0.008, 0.35, text, fontsize=11, va="top", color=INK)
     look = {
         "boxstyle": "round,pad=0.45",
-        "facecolor": GOOD if verdict == "certified" else BAD,
+        "facecolor": verdict_colour(verdict),
         "edgecolor": "none",
     }
     said = textwrap.shorten(verdict, VERDICT_LETTERS, placeholder=" ...")

@@ -9,6 +9,8 @@ CONTACT = "#22C3D6"
 LIMIT = "#555555"
 INK, FAINT = "#1A1A1A", "#8A8A8A"
 GOOD, BAD = "#00704F", "#B23A00"
+CERTIFIED = "certified"
+"""What the verdict on a certified plan begins with."""
 CURVES = ("#0072B2", "#D55E00", "#009E73", "#C8508F", "#E69F00", "#1A1A1A")
 
 RC: dict[Any, Any] = {
@@ -37,3 +39,8 @@ RC: dict[Any, Any] = {
     "text.color": INK,
     "lines.solid_capstyle": "round",
 }
+
+
+def verdict_colour(verdict: str) -> str:
+    """Green for a certified plan, whatever is said beside it."""
+    return GOOD if verdict.startswith(CERTIFIED) else BAD
