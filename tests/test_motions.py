@@ -127,7 +127,7 @@ def test_linear_and_fixed() -> None:
 
 
 def test_combined_is_the_sum(tmp_path: Path) -> None:
-    *parts, combined = all_motions(tmp_path)
+    *parts, combined, _ = all_motions(tmp_path)
     t = np.linspace(-1, 4, 23)
     for which in (0, 1):
         total = sum(sample(part, t)[which] for part in parts[1:])

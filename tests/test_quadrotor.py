@@ -73,7 +73,9 @@ def test_a_free_spin_keeps_angular_momentum_and_energy() -> None:
 
 
 def race(*overrides: str) -> Case:
-    return config.compose("+scenario=race", "scenario.gates=2", "scenario.nodes_per_gate=16", *overrides)
+    return config.compose(
+        "+scenario=race", "strategy=phases", "scenario.gates=2", "scenario.nodes_per_gate=16", *overrides
+    )
 
 
 @pytest.mark.parametrize(
@@ -122,6 +124,7 @@ class Unnormalised(ExplicitModel, ManifoldModel, OutputModel, RacingModel, RampM
 
 COURSE = (
     "+scenario=race",
+    "strategy=phases",
     "scenario.gates=5",
     "scenario.end_velocity=rest",
     "vehicle.body_rate=[15,15,2.99]",

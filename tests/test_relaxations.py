@@ -414,7 +414,12 @@ class Given(Guess):
 def coarse() -> Case:
     """Static at N = 25, where the plans of Verlet break the speed limit between nodes; starts from phases."""
     few = compose(
-        "+scenario=static", "scenario.intervals=25", "compile=never", "time_limit=5", "iteration_limit=40"
+        "+scenario=static",
+        "strategy=phases",
+        "scenario.intervals=25",
+        "compile=never",
+        "time_limit=5",
+        "iteration_limit=40",
     )
     return replace(few, guess=Given(few.guess.plan(few, Ledger(60.0))))
 

@@ -179,7 +179,11 @@ def test_polish_gives_no_certified_plan_away_for_a_cheaper_one() -> None:
 
 def test_phases_without_success_returns_the_attempt_with_the_whole_limit() -> None:
     case = config.compose(
-        "+scenario=static", "strategy.patience=5", "strategy.attempts=2", "iteration_limit=20"
+        "+scenario=static",
+        "strategy=phases",
+        "strategy.patience=5",
+        "strategy.attempts=2",
+        "iteration_limit=20",
     )
     found = solve(case)
     assert not found.claimed

@@ -21,7 +21,8 @@ from benchbench.storage.schema import make_record
 
 SUITES = {"handover100": 100, "hardware30": 30, "race50": 50, "delivery20": 20}
 TINY = {"title": "three tasks", "version": 2, "scenario": "random_handover", "seeds": [1, 3]}
-QUICK = ("scenario.intervals=14", "scenario.kappa_init=1")
+PLAIN = ("strategy=phases", "strategy.margin=0")
+QUICK = ("scenario.intervals=14", "scenario.kappa_init=1", *PLAIN)
 
 
 def write(folder: Path, **changes: Any) -> str:
@@ -158,7 +159,12 @@ def test_a_suite_runs_goes_on_and_says_what_came_out(tmp_path: Path) -> None:
 
 def test_a_suite_compares_methods(tmp_path: Path) -> None:
     done = told(
-        tmp_path, "suite", write(tmp_path, seeds=[1, 1]), "scenario.intervals=12,14", "scenario.kappa_init=1"
+        tmp_path,
+        "suite",
+        write(tmp_path, seeds=[1, 1]),
+        "scenario.intervals=12,14",
+        "scenario.kappa_init=1",
+        *PLAIN,
     )
     (path,) = (tmp_path / "results" / "suites").glob("tiny_*.json")
     methods = json.loads(path.read_text())["methods"]
