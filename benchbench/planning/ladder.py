@@ -59,13 +59,15 @@ def climb(case: Case, ledger: Ledger, start: Plan) -> Result:
 
 
 def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
-    """Make a start: climb phases, then one step size with contacts, or gates, held at the nearest nodes; all smooth.
+    """Make a start: solve phases, then one step size with contacts, or gates, held at the nearest nodes; both smooth.
 
-    The last solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
-    window on its way back. It starts from the multipliers of the one before, with which it takes half as many iterations.
+    The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
+    window on its way back. It starts from the multipliers of the first, with which it takes half as many iterations.
     """
+    with ledger.building():
+        problem = posing.phases(case, start)
     with ledger.guessing():
-        found = climb(case, ledger, start)
+        found = pose(problem, case, ledger, "guess: phases")
     with ledger.building():
         problem = posing.held(case, found.plan)
     with ledger.guessing():
