@@ -71,7 +71,7 @@ def test_rows_of_a_finer_grid_come_from_where_they_lie() -> None:
 
 
 def test_a_flight_on_unequal_steps_is_as_good_where_they_are_short() -> None:
-    """Halving the worst intervals takes the largest defect down by the order of the method, more than a factor of four."""
+    """Halving the worst intervals takes the largest defect down, to about the largest of those that were left as they are."""
     case, found = on_forty()
     missed = np.abs(defects(found.plan, case.model.plant()).velocity).max(axis=1)
     chosen = missed > 0.3 * missed.max()

@@ -14,8 +14,6 @@ CHEAP = {"rate_margin": 0.05, "contact_margin": 0.5}
 
 On `circle` 1 % of the arm's rate costs 1 to 2 ms of travel time, 1 % of the distance in contact 0.05 ms.
 """
-
-
 AHEAD = 0.1
 """Largest margin of a contact that a finer grid starts with."""
 
@@ -39,10 +37,12 @@ def next_step(
 ) -> Step | None:
     """Return what may cure all that the certificate found; None where nothing will.
 
-    margins: those that the plan was made with; least: those that any plan is made with; patient: whether
-    margins may be raised on this grid once more. Margins of up to `CHEAP` are taken where margins alone cure it: the transcription of the planned flight is right, its
+    Margins of up to `CHEAP` are taken where margins alone cure it: the transcription of the planned flight is right, its
     limits are passed between the nodes. Errors of the transcription and larger margins ask for a finer grid, and where
     there may be none for margins of up to `most`.
+
+    margins: those that the plan was made with; least: those that any plan is made with; patient: whether margins may be
+    raised on this grid once more.
     """
     raised = taken_back(margins, found, case)
     curable = (

@@ -1,12 +1,10 @@
 """The grid ladder: solve phases on a coarse grid, prolongate plan and multipliers to the next one.
 
-A cold solve on a fine grid spends most of its iterations on finding the flight; a coarse grid finds the same one for a
-tenth of the cost. With stages (collocation, Runge-Kutta) a cold solve at N = 100 may not end at all.
+A cold solve on a fine grid spends most of its iterations on finding the flight; on a coarse grid each of them costs less. With stages (collocation, Runge-Kutta) a cold solve at N = 100 may not end at all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 from benchbench.nlp.ledger import Ledger
@@ -22,8 +20,6 @@ WARM = 70
 """Iterations that a solve with multipliers may use: a good start needs 15 to 60."""
 FEWEST = 16
 """Intervals that the first grid has at least."""
-
-Told = Callable[[str], None]
 
 
 def coarse(case: Case) -> Case:
@@ -56,19 +52,3 @@ def climb(case: Case, ledger: Ledger, start: Plan) -> Result:
     if below is None or (not below.claimed and not ledger.over):
         return rung(case, ledger, start)
     return rung(case, ledger, below.plan, below) if below.claimed else below
-
-
-def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
-    """Make a start: solve phases, then one step size with contacts, or gates, held at the nearest nodes; both smooth.
-
-    The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
-    window on its way back. It starts from the multipliers of the first, with which it takes half as many iterations.
-    """
-    with ledger.building():
-        problem = posing.phases(case, start)
-    with ledger.guessing():
-        found = pose(problem, case, ledger, "guess: phases")
-    with ledger.building():
-        problem = posing.held(case, found.plan)
-    with ledger.guessing():
-        return pose(problem, case, ledger, "guess: window", found)

@@ -27,12 +27,12 @@ Refinement = Literal["local", "uniform"]
 
 @dataclass
 class Loop:
-    """Rounds from any number of starts, on grids of at most `finest` intervals, with margins of at most `margin`.
+    """Rounds from any number of starts, with margins of at most `margin`; grids below `finest` intervals may be refined.
 
     margin      0: those of the scenario instead of measured ones
     refinement  where a grid is refined: in the intervals in which the replay found errors, or everywhere
     told        what each round gave, in words
-    tried       each result that claims success, with its certificate
+    tried       each result, with its certificate where it claims success
     """
 
     case: Case
@@ -49,16 +49,16 @@ class Loop:
         best, _ = min(self.tried, key=lambda one: (not one[0].claimed, _broken(one[1])))
         return replace(best, refined=True)
 
-    def round(self, case: Case, start: Plan) -> bool:
+    def certifies(self, case: Case, start: Plan) -> bool:
         """Plan from one start until the certificate accepts; returns whether it does."""
         least = NONE if self.margin else own_margins(case.scenario)
         level, margins = with_margins(case, least), least
         found, raised = climb(level, self.ledger, start), 0
-        for _ in range(ROUNDS):
+        for left in reversed(range(ROUNDS + 1)):
             certificate = judge(found, self.case, self.ledger) if found.claimed else None
             self.tried.append((found, certificate))
             self.told.append(_sentence(found, certificate, margins))
-            if certificate is None or certificate.certified or self.ledger.over:
+            if certificate is None or certificate.certified or self.ledger.over or not left:
                 break
             may_refine, patient = found.plan.intervals < self.finest, raised < RAISED
             step = next_step(certificate, level, margins, self.margin, may_refine, least, patient)

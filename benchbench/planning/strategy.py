@@ -11,6 +11,7 @@ from benchbench.formulation.problem import Problem
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
+from benchbench.planning import posing
 from benchbench.planning.case import AnyCase, Case, Strategy
 from benchbench.planning.disturb import disturbed
 from benchbench.planning.result import Result
@@ -37,6 +38,22 @@ def pose(problem: Problem, case: Case, ledger: Ledger, stage: str, near: Result 
     return Result.of(problem, solved)
 
 
+def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
+    """Make a start: solve phases, then one step size with contacts, or gates, held at the nearest nodes; both smooth.
+
+    The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
+    window on its way back. It starts from the multipliers of the first, with which it takes half as many iterations.
+    """
+    with ledger.building():
+        problem = posing.phases(case, start)
+    with ledger.guessing():
+        found = pose(problem, case, ledger, "guess: phases")
+    with ledger.building():
+        problem = posing.held(case, found.plan)
+    with ledger.guessing():
+        return pose(problem, case, ledger, "guess: window", found)
+
+
 def judge(result: Result, case: AnyCase, ledger: Ledger) -> Certificate:
     """Return the certificate of a result: the same for strategies that look at it as for the record, which takes it once."""
     with ledger.judging():
@@ -57,7 +74,9 @@ def retried(
         last = attempt == attempts - 1
         limit = case.iteration_limit if last else min(case.iteration_limit, patience)
         found.append(
-            solve(replace(case, iteration_limit=limit), disturbed(guessed, case, _seed(case.seed, attempt)))
+            solve(
+                replace(case, iteration_limit=limit), disturbed(guessed, case, start_seed(case.seed, attempt))
+            )
         )
         if found[-1].claimed:
             return found[-1]
@@ -66,8 +85,8 @@ def retried(
     return found[-1]
 
 
-def _seed(seed: int, attempt: int) -> int:
-    """The case's own seed, then 0, then seeds that no user's case has."""
+def start_seed(seed: int, attempt: int) -> int:
+    """Return the seed of the disturbance of each attempt, from 0 on: the case's own seed, then 0, then seeds that no user's case has."""
     if attempt == 0:
         return seed
     return 0 if attempt == 1 and seed else 10**6 + 1000 * seed + attempt

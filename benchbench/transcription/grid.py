@@ -65,11 +65,6 @@ class Grid:
         return np.concatenate([np.zeros((1, len(self.phases))), np.cumsum(self.step_weights, axis=0)])
 
     @property
-    def mesh(self) -> dict[str, tuple[float, ...]]:
-        """Shares of all intervals by phase."""
-        return {p.name: tuple(p.steps.tolist()) for p in self.phases}
-
-    @property
     def ends(self) -> tuple[int, ...]:
         """Last node of each phase."""
         return tuple(int(k) for k in np.cumsum([p.intervals for p in self.phases]))

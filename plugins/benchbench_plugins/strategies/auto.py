@@ -9,12 +9,12 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.nlp.ledger import Ledger
-from benchbench.ocp.plan import Plan
 from benchbench.ocp.sizes import Tries
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.disturb import disturbed
 from benchbench.planning.loop import Loop, Refinement
 from benchbench.planning.result import Result
+from benchbench.planning.strategy import start_seed
 
 
 @final
@@ -22,11 +22,11 @@ from benchbench.planning.result import Result
 class Auto(Strategy):
     """Phases on a ladder of grids, with the replay as judge (`benchbench.planning.loop`).
 
-    finer   the finest grid has so many times the intervals of the scenario
-    margin  largest share of a limit left unused because the replay exceeded it between nodes
+    finer       a grid is refined as long as it has fewer than so many times the intervals of the scenario
+    margin      largest share of a limit left unused because the replay exceeded it between nodes
     refinement  local: a grid is refined where the replay found errors; uniform: everywhere
-    starts  how many starts are tried until one is certified
-    patience  iterations granted to a solve that is not the last start's: a good start needs a tenth of that
+    starts      how many starts are tried until one is certified
+    patience    iterations granted to a solve that is not the last start's: a good start needs a tenth of that
     """
 
     finer: Annotated[int, Field(ge=1, le=64)] = 8
@@ -38,16 +38,11 @@ class Auto(Strategy):
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Return the first certified result; without one that with the fewest broken limits."""
         loop = Loop(case, ledger, self.finer * case.scenario.grid_intervals, self.margin, self.refinement)
-        for number in range(self.starts):
-            last = number == self.starts - 1
+        guessed = case.guess.plan(case, ledger)
+        for attempt in range(self.starts):
+            last = attempt == self.starts - 1
             limit = case.iteration_limit if last else min(case.iteration_limit, self.patience)
-            if (
-                loop.round(replace(case, iteration_limit=limit), self._start(case, ledger, number))
-                or ledger.over
-            ):
+            start = disturbed(guessed, case, start_seed(case.seed, attempt))
+            if loop.certifies(replace(case, iteration_limit=limit), start) or ledger.over:
                 break
         return loop.best.telling(refinement=loop.told)
-
-    def _start(self, case: Case, ledger: Ledger, number: int) -> Plan:
-        guessed = case.guess.plan(case, ledger)
-        return disturbed(guessed, case, case.seed if number == 0 else 10**6 + 1000 * case.seed + number)
