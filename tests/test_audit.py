@@ -13,7 +13,7 @@ from test_certificate import LIMITS
 from benchbench.arrays import Array
 from benchbench.certificate.audit import Audit, audit, claimed
 from benchbench.certificate.replay import Replay
-from benchbench.ocp.contact import Condition, Contact, Target
+from benchbench.ocp.contact import Condition, Contact, Kept, Target
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node
 from benchbench.ocp.plan import Plan
@@ -37,7 +37,7 @@ class Told(Contact):
     unit: ClassVar[str] = "m"
     coordinate: int
     limit: float = 0.5
-    always: bool = False  # type: ignore[misc]
+    kept: Kept = "in contact"  # type: ignore[misc]
 
     @property
     def reach(self) -> None:
@@ -119,10 +119,25 @@ def test_what_is_no_number_is_worst_and_holds_nothing() -> None:
 
 
 def test_path_conditions_are_measured_but_make_no_contact() -> None:
-    contacts = {"x": Told(0), "path": Told(1, always=True)}
+    contacts = {"x": Told(0), "path": Told(1, kept="always")}
     (one,) = audited(plan([[0, 9], [0, 9]], [1, 1]), flown([[0, 8], [0, 7]], 1), stop(contacts=contacts))
     assert one.window == (0, 1)
     assert (one.planned["path"].tolist(), one.replayed["path"].tolist()) == ([9, 9], [8, 7])
+
+
+def test_what_is_kept_until_contact_ends_with_it() -> None:
+    """Contact at nodes 1 and 2 of 4; without a window it is asked all along, and nowhere where none is claimed."""
+    gaps = [[9, 0], [0, 0], [0, 0], [9, 0]]
+    until, always = Told(1, kept="until contact"), Told(1, kept="always")
+    contacts = {"x": Told(0), "until": until, "always": always}
+    (one,) = audited(plan(gaps, [0, 1, 1, 0]), flown([gaps[0], *gaps], 1), stop(contacts=contacts))
+    assert one.window == (1, 2)
+    assert one.path_nodes(until).tolist() == [True, True, True, False]
+    assert one.path_samples(until).tolist() == [True, True, True, False, False]
+    assert one.path_nodes(always).all() and one.path_samples(always).all()
+    for claims, asked in ([0, 0, 0, 1], True), ([0, 0, 0, 0], False):
+        (one,) = audited(plan(gaps, claims), flown([gaps[0], *gaps], 1), stop(contacts=contacts))
+        assert one.window is None and (one.path_nodes(until) == asked).all()
 
 
 def test_a_stop_that_the_plan_does_not_know_is_not_claimed() -> None:
@@ -166,7 +181,7 @@ def test_a_claim_is_made_where_all_conditions_hold_together() -> None:
     silent = plan(gaps, [np.nan] * 6)
     stops = (
         stop("none", {}),
-        stop("path", {"x": Told(0, always=True)}),
+        stop("path", {"x": Told(0, kept="always")}),
         stop("both"),
         stop("x", {"x": Told(0)}),
     )

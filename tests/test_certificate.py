@@ -216,7 +216,7 @@ def test_a_target_that_leaves_between_the_nodes(good: Plan) -> None:
 
 
 def test_a_path_condition_holds_all_the_time(good: Plan, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Floor, "always", True, raising=False)
+    monkeypatch.setattr(Floor, "kept", "always", raising=False)
     high = Polynomial(0.0, np.array([[0.0, 0.0, 0.45]]))
     certificate = certify(good, task(good, target=high, contacts={"floor": Floor()}), MODEL, LIMITS)
     assert_mentions(certificate, "floor reaches 0.032", "at node 0")

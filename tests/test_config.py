@@ -30,7 +30,7 @@ REFUSED = [
     ("+scenario=static +solver=ipopt", "solver", "solver=NAME without the plus sign"),
     ("+scenario=static ~solver", "solver", "solver=NAME with NAME one of "),
     ("+scenario=static vehicle=null", "a choice", "CHOICE=NAME"),
-    ("+scenario=static +scenario/contact=flor", "scenario/contact", "allowed: floor"),
+    ("+scenario=static +scenario/contact=flor", "scenario/contact", "allowed: approach, floor"),
     ("+scenario=static scenario.kapa_init=3", "scenario.kapa_init", "perhaps 'kappa_init' is meant"),
     ("+scenario=static +scenario.kapa_init=3", "scenario.kapa_init", "perhaps 'kappa_init' is meant"),
     ("+scenario=static +scenario.kappa_init=3", "scenario.kappa_init", "without the plus sign"),

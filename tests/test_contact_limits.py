@@ -10,6 +10,7 @@ from flights import REST, table_one
 from benchbench.arrays import Array
 from benchbench.ocp.contact import Contact, Target
 from benchbench.ocp.node import Node
+from benchbench_plugins.contacts.approach import Approach
 from benchbench_plugins.contacts.floor import Floor
 from benchbench_plugins.contacts.heading import SLOW, Heading
 from benchbench_plugins.contacts.position import Position
@@ -48,6 +49,10 @@ def targets(contact: Contact, gap: Array, speed: Array, q: Array, v: Array) -> t
         return tool + np.stack([0 * gap, 0 * gap, gap], axis=1), speed[:, None] * way
     if isinstance(contact, Velocity):
         return tool, moving + gap[:, None] * way
+    if isinstance(contact, Approach):  # above the ball, by as much as another direction says
+        clearance = np.abs(way[:, 2])
+        faster = np.hypot(1.0, contact.slope * clearance / contact.limit)
+        return tool - np.stack([0 * gap, 0 * gap, clearance], axis=1), moving + (gap * faster)[:, None] * way
     nose = MODEL_PLANT.nose(q)
     angle = np.arctan2(nose[:, 1], nose[:, 0]) + gap * np.where(np.arange(len(q)) % 2, 1, -1)
     return tool, np.stack([speed * np.cos(angle), speed * np.sin(angle), 0.3 + 0 * speed], axis=1)
@@ -61,7 +66,7 @@ def planned(contact: Contact, *numbers: Array) -> Array:
     return np.asarray(h.map(len(numbers[0]))(*(part.T for part in numbers))).ravel()
 
 
-@pytest.mark.parametrize("kind", [Position, Velocity, Heading, Floor])
+@pytest.mark.parametrize("kind", [Position, Velocity, Heading, Floor, Approach])
 @pytest.mark.parametrize("limit", LIMITS)
 def test_what_the_planner_allows_the_certificate_does(kind: type[Contact], limit: float) -> None:
     gaps = np.array(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -18,6 +19,7 @@ from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion, sample
 from benchbench.ocp.node import Node
 from benchbench.transcription.grid import Grid, Phase
+from benchbench_plugins.contacts.approach import Approach
 from benchbench_plugins.contacts.floor import Floor
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position
@@ -214,6 +216,23 @@ def test_path_conditions_hold_everywhere_and_are_no_pairs(model: Model) -> None:
     for part in (coupling.by_progress(2), coupling.at_nodes([1, 2])):
         (floor,) = (b for b in part.constraints if b.name == "floor")
         assert floor.instances == N and np.all(floor.upper == 0) and np.all(np.isneginf(floor.lower))
+
+
+def test_what_is_kept_until_contact_vanishes_with_what_is_left_of_it(model: Model) -> None:
+    """G = kappa_k / kappa_init at all nodes; held at nodes 1 and 2 it is asked at 0 to 2."""
+    transcribed, coupling = coupled(model, CIRCLE, one_phase(N, 1.0))
+    coupling = replace(coupling, contacts={"position": Position(0.02), "approach": Approach(0.05)})
+    mpcc = transcribed.mpcc + coupling.by_progress(2)
+    x = random_point(mpcc)
+    values = mpcc.split(x)
+    plan = transcribed.trajectory.decode(values, np.zeros(N + 1))
+    states = plan.configuration[:-1], plan.velocity[:-1], *sample(CIRCLE, plan.time[:-1])
+    (pair,) = (pair for pair in mpcc.pairs if pair.block.name == "approach")
+    g, h = evaluate(pair.block, mpcc, x).T
+    np.testing.assert_allclose(g, values["kappa"].ravel()[:-1] / 2, atol=1e-14)
+    np.testing.assert_allclose(h, (Approach(0.05).gap(model.plant(), *states) / 0.05) ** 2 - 1, rtol=1e-10)
+    held = {block.name: block.instances for block in coupling.at_nodes([1, 2]).constraints}
+    assert held == {"position": 2, "approach": 3}
 
 
 def test_conditions_at_chosen_nodes(model: Model) -> None:

@@ -106,6 +106,17 @@ def test_all_that_is_asked() -> None:
     assert values == pytest.approx({name: expected.get(name, 0.0) for name in values}, abs=1e-8)
 
 
+def test_passage_through_the_ball_is_told() -> None:
+    """The target sinks from 16 mm above the end effector, which is so deep in the ball below it."""
+    assert judged(hover(4, 5), (0, 0, -0.008)).record()["passage_m"] == pytest.approx(0.016)
+    assert judged(hover(4, 5), (0, 0, -0.008), ball_radius=0.008).record()["passage_m"] == pytest.approx(
+        0.008
+    )
+    far = judged(hover(4, 5), magnet_reach=1e-3).record()
+    reached = 2.0 - np.sqrt(31**2 - 30**2) / 8  # where the centre of the ball is 31 mm away, at 8 mm/s
+    assert far["touch_before_s"] == pytest.approx(1.6 - reached, abs=0.03)  # samples are 25 ms apart
+
+
 def test_the_numbers_of_the_record() -> None:
     found = judged(hover(4, 5, 6, 7), residuals=SOLVED).record()
     expected = {
@@ -115,6 +126,7 @@ def test_the_numbers_of_the_record() -> None:
         "replay_defect_position_m": 0.0, "replay_defect_angle_rad": 0.0, "replay_drift_position_m": 0.0,
         "replay_end_error_m": 0.0, "max_rate_ratio": 0.0, "stops": ("target 1.600 to 2.800 s",), "reward_s": 0.0,
         "gate_worst_miss_m": None, "gates": None, "gates_passed": None,
+        "touch_speed_mps": pytest.approx(0.008), "touch_before_s": pytest.approx(1.6), "passage_m": 0.0,
     }  # fmt: skip
     (distance, speed, _) = found.pop("contact_gaps_said")
     assert "6.4" in distance and "8" in speed

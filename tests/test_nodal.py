@@ -109,6 +109,13 @@ def test_ends_and_guesses() -> None:
     np.testing.assert_array_equal(loose.upper, np.tile(model.inputs.upper, (5, 1)))
 
 
+def test_authority_is_left_to_the_controller_at_both_ends_of_the_range() -> None:
+    """A fifth of 2.03364 to 6.10093 N: a tenth of 4.06729 N at either end."""
+    u = named(nodal_variables(handover(authority=0.2), table_one(), PHASES, 5))["u"]
+    np.testing.assert_allclose(u.lower[:, 0], 2.03364 + 0.406729, atol=1e-12)
+    np.testing.assert_allclose(u.upper[:, 0], 6.10093 - 0.406729, atol=1e-12)
+
+
 def test_guesses_of_the_end_stay_where_it_may_be() -> None:
     """As all guesses do."""
     found = named(nodal_variables(race(), ramped(), GRID, N))["q"]

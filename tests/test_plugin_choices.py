@@ -116,7 +116,7 @@ def test_fields_and_defaults_come_from_the_class(strangers: Path) -> None:
         ("relaxation=gone", "relaxation._target_: 'strangers_module.Gone' cannot be loaded: "),
         ("relaxation=number", "relaxation._target_: 'strangers_module.__name__' cannot be loaded: "),
         ("relaxation=twice", "relaxation: 'twice' is registered for strangers_module:Other and strangers_module:Theirs"),
-        ("+scenario/contact=groun", "scenario/contact: 'groun' does not exist; allowed: floor, ground"),
+        ("+scenario/contact=groun", "scenario/contact: 'groun' does not exist; allowed: approach, floor, ground"),
         ("+scenario/contact=ground scenario.contacts.ground.limt=1", "scenario.contacts.ground.limt: .*'limit'"),
     ],
 )  # fmt: skip

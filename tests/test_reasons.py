@@ -384,7 +384,7 @@ def test_what_is_said_of_the_original_problem(changes: dict[str, Any], expected:
 
 def stop(name: str = "a", prefix: str = "a_", **fields: Any) -> Stop:
     """Of x at the event and of y all the time; two nodes of a grid of four intervals of half a second."""
-    contacts = fields.pop("contacts", {"x": Told(0), "path": Told(1, 0.25, always=True)})
+    contacts = fields.pop("contacts", {"x": Told(0), "path": Told(1, 0.25, kept="always")})
     fields = {"counted": (1, 4)} | fields
     return Stop(
         name,
@@ -512,7 +512,7 @@ def test_stops_that_need_not_be_made_are_not_asked_for_length() -> None:
         "contact_progress",
         "contact_seconds",
     ]
-    only_path = found_at(stop(contacts={"path": Told(1, always=True)}))
+    only_path = found_at(stop(contacts={"path": Told(1, kept="always")}))
     assert [check.name for check in contact_planned(asked((only_path,)))] == ["path_path"]
 
 

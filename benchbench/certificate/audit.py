@@ -50,6 +50,22 @@ class Audit:
         """Sample of the largest replayed gap in the window; NaN counts as largest."""
         return _argmax(self.replayed[name], self.dense)
 
+    def path_nodes(self, contact: Contact) -> Flags:
+        """Nodes (N + 1,) at which a path condition must hold."""
+        last = None if self.window is None else self.window[1]
+        return self._path(contact, len(self.claims), last)
+
+    def path_samples(self, contact: Contact) -> Flags:
+        """Samples (m,) of the replay at which it must hold."""
+        last = None if self.window is None else int(np.flatnonzero(self.dense)[-1])
+        return self._path(contact, len(self.dense), last)
+
+    def _path(self, contact: Contact, count: int, last: int | None) -> Flags:
+        """All of so many; of what is kept until the contact is over those up to its last one, none where none is claimed."""
+        if contact.kept == "always" or (last is None and self.claims.any()):
+            return np.ones(count, bool)
+        return np.arange(count) <= (-1 if last is None else last)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContactEvidence(Evidence):
@@ -118,12 +134,12 @@ def claimed(plan: Plan, itinerary: Itinerary, plant: Plant, limits: Limits) -> P
 
 def event_contacts(stop: Stop) -> Iterator[tuple[str, Contact]]:
     """Contacts that must hold together at the event."""
-    return ((n, c) for n, c in stop.contacts.items() if not c.always)
+    return ((n, c) for n, c in stop.contacts.items() if c.kept == "in contact")
 
 
 def path_contacts(stop: Stop) -> Iterator[tuple[str, Contact]]:
-    """Conditions that must hold all the time, in contact or not."""
-    return ((n, c) for n, c in stop.contacts.items() if c.always)
+    """Conditions that must hold all the time, or until the contact is over."""
+    return ((n, c) for n, c in stop.contacts.items() if c.kept != "in contact")
 
 
 def longest_run(flags: Flags) -> tuple[int, int] | None:

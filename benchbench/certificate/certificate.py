@@ -32,6 +32,9 @@ class Measures:
     contact_duration_s: float | None = None
     contact_gaps: Mapping[str, float] | None = None
     contact_gaps_said: tuple[str, ...] | None = None
+    touch_speed_mps: float | None = None
+    touch_before_s: float | None = None
+    passage_m: float | None = None
     max_rate_ratio: float | None = None
     stops: tuple[str, ...] | None = None
     reward_s: float | None = None

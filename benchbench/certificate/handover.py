@@ -25,6 +25,7 @@ from benchbench.certificate.evidence import Given
 from benchbench.certificate.examination import Examination, examine
 from benchbench.certificate.measured import measured
 from benchbench.certificate.numbers import flown
+from benchbench.certificate.touch import touch
 from benchbench.ocp.contact import Contact, in_words
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
@@ -41,7 +42,12 @@ def _handover(scenario: Handover, given: Given) -> Examination[ContactEvidence]:
     found = measured(scenario, given)
     audits = audit(given.plan, found.flight, scenario.itinerary, found.plant, given.limits)
     evidence = ContactEvidence(**vars(found), audits=audits)
-    return Examination(evidence, PLANNED, FLOWN, Measures(**flown(evidence), **_numbers(evidence)))
+    return Examination(
+        evidence,
+        PLANNED,
+        FLOWN,
+        Measures(**flown(evidence), **_numbers(evidence), **_touched(evidence, scenario)),
+    )
 
 
 def _numbers(evidence: ContactEvidence) -> dict[str, Any]:
@@ -68,13 +74,27 @@ def _numbers(evidence: ContactEvidence) -> dict[str, Any]:
     return numbers
 
 
+def _touched(evidence: ContactEvidence, scenario: Handover) -> dict[str, float]:
+    """How the ball is met, at the stop where that is fastest."""
+    found = [touch(evidence, one, scenario.ball_radius, scenario.magnet_reach) for one in evidence.made]
+    fastest = max((one for one in found if one is not None), key=lambda one: one.speed, default=None)
+    if fastest is None:
+        return {}
+    return {
+        "touch_speed_mps": fastest.speed, "touch_before_s": fastest.before, "passage_m": fastest.passage,
+    }  # fmt: skip
+
+
 def _gaps(made: Sequence[Audit]) -> dict[str, tuple[Contact, float]]:
-    """Each contact and its worst gap: in the windows of all stops made; of a path condition all along the flight."""
+    """Each contact and its worst gap: in the windows of all stops made; of a path condition all along its path."""
     found: dict[str, tuple[Contact, float]] = {}
     for one in made:
         for name, contact in one.stop.contacts.items():
             replayed = one.replayed[name]
-            gap = worst(replayed)[0] if contact.always else float(replayed[one.worst_replayed(name)])
+            if contact.kept == "in contact":
+                gap = float(replayed[one.worst_replayed(name)])
+            else:
+                gap = worst(replayed[one.path_samples(contact)])[0]
             before = found[name][1] if name in found else -np.inf
             found[name] = contact, gap if np.isnan(gap) else max(before, gap)
     return found

@@ -6,7 +6,7 @@ A contact only says *what* must hold. *When* it must hold is a separate choice: 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Variable, block, rows
-from benchbench.ocp.contact import Condition, Contacts, Target
+from benchbench.ocp.contact import Condition, Contacts, Kept, Target
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion, motion_state
 from benchbench.transcription.grid import Trajectory
@@ -41,7 +41,7 @@ class Coupling:
 
         kappa_0 = kappa_init, kappa_N = 0, epsilon_k = kappa_k - kappa_{k+1} in [0, 1] (paper Eq. 26);
         epsilon is substituted, so the only new unknowns are kappa (N + 1,). Where it is not `decided` that
-        there is a contact, kappa_0 is free.
+        there is a contact, kappa_0 is free. What is kept until the contact is over vanishes with kappa_k.
         """
         n = self.trajectory.grid.intervals
         fixed = np.full((n + 1, 1), np.nan)
@@ -62,12 +62,17 @@ class Coupling:
             function="progress",
         )
         pairs = []
-        for name, condition, imposed in self._blocks(nodes, always=False):
-            paired = block(
-                imposed.name, step + imposed.slots, partial(_pair, imposed.function), parameters=imposed.parameters,
-                unit=condition.unit, function=f"pair_{name}",
-            )  # fmt: skip
-            pairs.append(Pair(paired, "vanishing", condition.limit, sign_known=True))
+        to_come = (rows(self.kappa, 1, nodes),)
+        for kept, slots, share in (
+            ("in contact", step, _step),
+            ("until contact", to_come, partial(_left, kappa_init)),
+        ):
+            for name, condition, imposed in self._blocks(nodes, kept):
+                paired = block(
+                    imposed.name, slots + imposed.slots, partial(_pair, imposed.function, share), parameters=imposed.parameters,
+                    unit=condition.unit, function=f"pair_{name}",
+                )  # fmt: skip
+                pairs.append(Pair(paired, "vanishing", condition.limit, sign_known=True))
         return Mpcc((kappa,), (progress,), (), tuple(pairs)) + self.always()
 
     @property
@@ -77,20 +82,22 @@ class Coupling:
 
     def at_nodes(self, nodes: Sequence[int]) -> Mpcc:
         """Impose every condition at the given nodes: no progress variables, no complementarity."""
-        return Mpcc((), tuple(imposed for _, _, imposed in self._blocks(nodes, always=False))) + self.always()
+        until = range(max(nodes) + 1)
+        found = [*self._blocks(nodes, "in contact"), *self._blocks(until, "until contact")]
+        return Mpcc((), tuple(imposed for _, _, imposed in found)) + self.always()
 
     def always(self) -> Mpcc:
         """Impose the conditions that hold at every node, in contact or not."""
         nodes = range(self.trajectory.grid.intervals)
-        return Mpcc((), tuple(imposed for _, _, imposed in self._blocks(nodes, always=True)))
+        return Mpcc((), tuple(imposed for _, _, imposed in self._blocks(nodes, "always")))
 
-    def _blocks(self, nodes: Sequence[int], always: bool) -> list[tuple[str, Condition, Block]]:
+    def _blocks(self, nodes: Sequence[int], kept: Kept) -> list[tuple[str, Condition, Block]]:
         node = self.trajectory.node
         p = ca.SX.sym("p", node.p.shape[0] + len(self.motion.parameters))
         position, velocity = motion_state(self.motion, node.time, p[node.p.shape[0] :])
         found = []
         for name, contact in self.contacts.items():
-            if contact.always != always:
+            if contact.kept != kept:
                 continue
             condition = contact.condition(self.model, node, Target(position, velocity))
             condition = condition.tightened(self.margins.get(name, 0.0))
@@ -107,11 +114,23 @@ class Coupling:
         return found
 
 
-def _pair(condition: ca.Function, now: ca.SX, then: ca.SX, *reads: ca.SX) -> ca.SX:
-    """G = kappa_k - kappa_{k+1}, once for each row of the condition H."""
-    *z, p = reads
+def _step(now: ca.SX, then: ca.SX, *reads: ca.SX) -> tuple[ca.SX, tuple[ca.SX, ...]]:
+    """G = kappa_k - kappa_{k+1}, the progress made at a node."""
+    return now - then, reads
+
+
+def _left(kappa_init: int, now: ca.SX, *reads: ca.SX) -> tuple[ca.SX, tuple[ca.SX, ...]]:
+    """G = kappa_k / kappa_init, the share of the contact that is still to come at a node."""
+    return now / kappa_init, reads
+
+
+def _pair(
+    condition: ca.Function, share: Callable[..., tuple[ca.SX, tuple[ca.SX, ...]]], *reads: ca.SX
+) -> ca.SX:
+    """G, once for each row of the condition H."""
+    g, (*z, p) = share(*reads)
     h = condition(ca.vertcat(*z), p, 0)
-    return ca.vertcat(ca.repmat(now - then, h.shape[0], 1), h)
+    return ca.vertcat(ca.repmat(g, h.shape[0], 1), h)
 
 
 def retargeted(block: Block, motion: Motion) -> Block:

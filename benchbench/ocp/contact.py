@@ -5,13 +5,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 import casadi as ca
 
 from benchbench.arrays import Array
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node
+
+Kept = Literal["in contact", "until contact", "always"]
+"""When a condition holds: in contact only, at every node until the contact is over, or at every node."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +54,8 @@ class Contact(ABC):
     limit: float
     """Largest physical gap allowed in contact, in `unit`."""
     unit: ClassVar[str]
-    always: ClassVar[bool] = False
-    """A path condition, kept at every node and not only in contact."""
+    kept: ClassVar[Kept] = "in contact"
+    """When it must hold; all but "in contact" are path conditions."""
 
     @property
     @abstractmethod

@@ -17,6 +17,8 @@ from benchbench.ocp.scenario import Ends, NonNegative, Positive, Scenario, Share
 from benchbench.ocp.sizes import Intervals, Nodes
 from benchbench.ocp.stop import Itinerary, Order, Stop, Visit
 
+Aim = Annotated[float, Field(gt=0, le=1)]
+
 
 class StopFields(BaseModel):
     """What a handover says about one of several stops; what it leaves out is as in the handover itself.
@@ -55,9 +57,12 @@ class Handover(Scenario):
                      several stops are spread evenly before and after this middle
     intervals        N, number of intervals of the time grid
     contact_margin   share of the limits of contacts that the planner leaves unused, by contact name
+    aim              share of the limits of contacts within which the planner aims, by contact name; margins come on top
+    ball_radius      of the ball that the target stands for, m: the target is its uppermost point
+    magnet_reach     clearance in m between ball and end effector at which the magnet takes the ball
     """
 
-    planning: ClassVar[tuple[str, ...]] = (*Scenario.planning, "contact_guess", "contact_margin")
+    planning: ClassVar[tuple[str, ...]] = (*Scenario.planning, "contact_guess", "contact_margin", "aim")
 
     target: InstanceOf[Motion] | None = None
     stops: dict[str, StopFields] = Field(default_factory=dict)
@@ -70,6 +75,9 @@ class Handover(Scenario):
     contact_guess: Annotated[float, Field(gt=0, lt=1)] = 0.42
     intervals: Intervals = 100
     contact_margin: dict[str, Share] = Field(default_factory=dict)
+    aim: dict[str, Aim] = Field(default_factory=dict)
+    ball_radius: Positive = 0.03
+    magnet_reach: Positive = 0.022
 
     @model_validator(mode="before")
     @classmethod
@@ -106,7 +114,7 @@ class Handover(Scenario):
         """All stops; a handover with one `target` has one stop of that name."""
         if self.target is not None:
             only = self._stop("target", self.target, self.contacts, self.kappa_init, self.contact_seconds)
-            return Itinerary((only,), middle=self.contact_guess, margins=self.contact_margin)
+            return Itinerary((only,), middle=self.contact_guess, margins=self._unused)
         stops = (
             replace(
                 self._stop(
@@ -118,7 +126,13 @@ class Handover(Scenario):
             )
             for name, given in self.stops.items()
         )  # fmt: skip
-        return Itinerary(tuple(stops), self.order, self.visit, self.contact_guess, self.contact_margin)
+        return Itinerary(tuple(stops), self.order, self.visit, self.contact_guess, self._unused)
+
+    @property
+    def _unused(self) -> dict[str, float]:
+        """Share of the limits of contacts that the planner leaves unused: all beyond its aim, and margins within it."""
+        own = self.contact_margin
+        return {**own, **{name: 1 - (1 - own.get(name, 0.0)) * aim for name, aim in self.aim.items()}}
 
     def start_point(self, model: Model) -> Array:
         """Return the start configuration (n_q,)."""

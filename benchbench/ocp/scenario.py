@@ -11,7 +11,15 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
-from benchbench.ocp.model import Coordinates, Model, output_bounds, output_box, space, velocity_bounds
+from benchbench.ocp.model import (
+    Coordinates,
+    Model,
+    input_bounds,
+    output_bounds,
+    output_box,
+    space,
+    velocity_bounds,
+)
 from benchbench.ocp.stop import Itinerary
 
 NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -50,6 +58,7 @@ class Scenario(BaseModel, ABC):
     workspace          limits of coordinates by name that belong to the room, not to the vehicle
     rate_margin        share of a velocity limit that the planner leaves unused, by coordinate name: a
                        transcription keeps limits at its nodes, and the plan is judged by what is flown
+    authority          share of the range of each input that the planner leaves to the controller, half of it at either end
     hover_ends         first and last input equal hover (authors' public demo; not in the paper)
 
     A kind is a final subclass with fields of its own, and with
@@ -62,7 +71,7 @@ class Scenario(BaseModel, ABC):
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
     mark: ClassVar[tuple[str, ...]] = ()
-    planning: ClassVar[tuple[str, ...]] = ("travel_time_guess", "rate_margin")
+    planning: ClassVar[tuple[str, ...]] = ("travel_time_guess", "rate_margin", "authority")
 
     name: str
     start: dict[str, Finite]
@@ -73,6 +82,7 @@ class Scenario(BaseModel, ABC):
     input_cost: NonNegative = 3e-3
     workspace: dict[str, Range] = Field(default_factory=dict)
     rate_margin: dict[str, Share] = Field(default_factory=dict)
+    authority: Share = 0.0
     hover_ends: bool = False
 
     @property
@@ -139,6 +149,12 @@ class Scenario(BaseModel, ABC):
         lower, upper = velocity_bounds(model, flown)
         share = self._rate_shares(model)
         return lower * share, upper * share
+
+    def planned_inputs_at(self, model: Model, flown: Array) -> tuple[Array, Array]:
+        """Return limits of the inputs as the planner keeps them, less `authority`, each (n, n_u)."""
+        lower, upper = input_bounds(model, flown)
+        left = self.authority / 2 * (upper - lower)
+        return lower + left, upper - left
 
     def planned_outputs_at(self, model: Model, flown: Array) -> tuple[Array, Array]:
         """Return limits of the model's outputs in the same way, each (n, n_y)."""

@@ -66,4 +66,4 @@ def _cheap(margins: Margins) -> bool:
 
 
 def _by_margin(check: Check) -> bool:
-    return check.name == "replay_rate" or check.name.startswith("contact_")
+    return check.name == "replay_rate" or check.name.startswith(("contact_", "replay_path_"))

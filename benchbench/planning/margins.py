@@ -102,7 +102,8 @@ def taken_back(margins: Margins, found: Certificate, case: Case) -> Margins:
                 rates[name] = rates.get(name, 0.0) + AGAIN * float(ratio - case.limits.rate_ratio)
     limits = {name: c.limit for stop in case.scenario.itinerary.stops for name, c in stop.contacts.items()}
     for name, limit in limits.items():
-        flown = [c for c in found.broken if c.name in (f"contact_{name}", f"contact_node_{name}")]
+        named = [f"{where}_{name}" for where in ("contact", "contact_node", "replay_path", "path")]
+        flown = [c for c in found.broken if c.name in named]
         beyond = max((c.value - c.limit for c in flown), default=0.0)
         if beyond > 0 and np.isfinite(beyond):
             contacts[name] = contacts.get(name, 0.0) + AGAIN * beyond / limit + 1e-4

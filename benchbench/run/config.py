@@ -208,11 +208,12 @@ def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:
 
 
 def _check_margins(scenario: Mapping[str, Any]) -> None:
-    """Raise BadInput for a margin of a contact that is neither there nor switched off by null."""
+    """Raise BadInput for a margin or an aim of a contact that is neither there nor switched off by null."""
     contacts = scenario.get("contacts") or {}
-    for name in scenario.get("contact_margin") or {}:
-        if contacts and name not in contacts:
-            raise BadInput(f"scenario.contact_margin.{name}", "there is no such contact", ", ".join(contacts))
+    for field in ("contact_margin", "aim"):
+        for name in scenario.get(field) or {}:
+            if contacts and name not in contacts:
+                raise BadInput(f"scenario.{field}.{name}", "there is no such contact", ", ".join(contacts))
 
 
 def make(cfg: DictConfig, family: str) -> Any:

@@ -15,6 +15,8 @@ from rich.text import Text
 from benchbench.storage.best_known import SAME
 from benchbench.storage.schema import Status
 
+THROUGH = 5e-5
+"""Depth in m below which a passage through the ball is not worth a word."""
 REASONS = 4
 """Reasons against a plan that are shown; the record has all."""
 
@@ -102,6 +104,8 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         lines.append(("new best", less))
     if r["contact_start_s"] is not None:
         lines.append(("contact", f"{_contacts(r)}\n{_worst(r)}"))
+    if r["touch_speed_mps"] is not None:
+        lines.append(("magnet", _touch(r)))
     if r["search"]:
         lines.append(("search", r["search"]))
     if len(r["refinement"] or ()) > 1:
@@ -168,6 +172,14 @@ def _contacts(r: Mapping[str, Any]) -> str:
 
 def _worst(r: Mapping[str, Any]) -> str:
     return "at worst " + (", ".join(r["contact_gaps_said"] or ()) or "-")
+
+
+def _touch(r: Mapping[str, Any]) -> str:
+    """How the magnet meets the ball."""
+    early = f", {1e3 * r['touch_before_s']:.0f} ms before contact" if r["touch_before_s"] else ""
+    depth = r["passage_m"] or 0.0
+    through = f"; {1e3 * depth:.1f} mm through ball or stand on the way" if depth > THROUGH else ""
+    return f"within reach at {r['touch_speed_mps']:.3g} m/s{early}{through}"
 
 
 def _verdict(r: Mapping[str, Any]) -> Text:

@@ -14,7 +14,7 @@ import numpy as np
 
 from benchbench.arrays import Array, Index
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, block, rows
-from benchbench.ocp.model import Model, input_bounds, output, output_box
+from benchbench.ocp.model import Model, output, output_box
 from benchbench.ocp.node import Node
 from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.ocp.scenario import Scenario
@@ -112,7 +112,7 @@ def nodal_variables(
         low_v, high_v = np.full_like(low_v, -np.inf), np.full_like(high_v, np.inf)
     low_q, high_q = (np.tile(b, (nodes, 1)) for b in (q.lower, q.upper))
     u_ref = model.hover()
-    low_u, high_u = input_bounds(model, flown[input_intervals(grid, input_rows)])
+    low_u, high_u = scenario.planned_inputs_at(model, flown[input_intervals(grid, input_rows)])
     if scenario.hover_ends:
         low_u[[0, -1]] = high_u[[0, -1]] = u_ref
     line = (1 - share) * start + share * end

@@ -24,7 +24,7 @@ def contact_planned(evidence: ContactEvidence) -> Checks:
 
 
 def contact_flown(evidence: ContactEvidence) -> Checks:
-    """Check the conditions on the replay: all through the window, or all the time."""
+    """Check the conditions on the replay: all through the window, or along the path."""
     limits = evidence.limits
     for one in evidence.audits:
         stop = one.stop
@@ -35,7 +35,10 @@ def contact_flown(evidence: ContactEvidence) -> Checks:
                 what, limit = f"{contact.noun} in contact{stop.label}", _allowed(name, contact.limit, limits)
                 yield at_most(f"contact_{name}", what, gap, limit, contact.unit, where, advice=advice.CONTACT)
         for name, contact in path_contacts(stop):
-            gap, (k,) = worst(one.replayed[name])
+            where = np.flatnonzero(one.path_samples(contact))
+            if not len(where):
+                continue
+            gap, (k,) = worst(one.replayed[name][where])
             limit, what = _allowed(name, contact.limit, limits), contact.noun + stop.label
             yield at_most(
                 f"replay_path_{name}", what, gap, limit, contact.unit, evidence.at(k), advice=advice.FINER
@@ -66,9 +69,12 @@ def _claims(one: Audit, limits: Limits) -> Checks:
 
 
 def _path(one: Audit, limits: Limits) -> Checks:
-    """Conditions that hold all the time hold at every node."""
+    """Path conditions hold at every node up to where they end."""
     for name, contact in path_contacts(one.stop):
-        gap, (k,) = worst(one.planned[name])
+        where = np.flatnonzero(one.path_nodes(contact))
+        if not len(where):
+            continue
+        gap, (k,) = worst(one.planned[name][where])
         what, limit = contact.noun + one.stop.label, contact.limit + limits.node
         yield at_most(f"path_{name}", what, gap, limit, contact.unit, f" at node {k}", advice=advice.PATH)
 

@@ -9,7 +9,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.arrays import Array
-from benchbench.ocp.contact import Condition, Contact, Target
+from benchbench.ocp.contact import Condition, Contact, Kept, Target
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node
 
@@ -23,7 +23,7 @@ class Floor(Contact):
     aside: ClassVar[str] = "below the floor"
     limit: float = Field(0.01, gt=0)
     unit: ClassVar[str] = "m"
-    always: ClassVar[bool] = True
+    kept: ClassVar[Kept] = "always"
 
     @property
     def reach(self) -> None:
