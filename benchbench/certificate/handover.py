@@ -74,7 +74,7 @@ def _numbers(evidence: ContactEvidence) -> dict[str, Any]:
     return numbers
 
 
-def _touched(evidence: ContactEvidence, scenario: Handover) -> dict[str, float]:
+def _touched(evidence: ContactEvidence, scenario: Handover) -> dict[str, Any]:
     """How the ball is met, at the stop where that is fastest."""
     found = [touch(evidence, one, scenario.ball_radius, scenario.magnet_reach) for one in evidence.made]
     fastest = max((one for one in found if one is not None), key=lambda one: one.speed, default=None)

@@ -6,7 +6,7 @@ A contact only says *what* must hold. *When* it must hold is a separate choice: 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -14,11 +14,14 @@ import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.mpcc.problem import Block, Mpcc, Pair, Variable, block, rows
+from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, block, rows
 from benchbench.ocp.contact import Condition, Contacts, Kept, Target
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion, motion_state
 from benchbench.transcription.grid import Trajectory
+
+Share = Callable[..., tuple[ca.SX, tuple[ca.SX, ...]]]
+"""From what a pair reads to its G, and what is left for its H."""
 
 
 @dataclass(frozen=True)
@@ -61,19 +64,21 @@ class Coupling:
             unit="1",
             function="progress",
         )
-        pairs = []
-        to_come = (rows(self.kappa, 1, nodes),)
-        for kept, slots, share in (
-            ("in contact", step, _step),
-            ("until contact", to_come, partial(_left, kappa_init)),
-        ):
-            for name, condition, imposed in self._blocks(nodes, kept):
-                paired = block(
-                    imposed.name, slots + imposed.slots, partial(_pair, imposed.function, share), parameters=imposed.parameters,
-                    unit=condition.unit, function=f"pair_{name}",
-                )  # fmt: skip
-                pairs.append(Pair(paired, "vanishing", condition.limit, sign_known=True))
-        return Mpcc((kappa,), (progress,), (), tuple(pairs)) + self.always()
+        now = (rows(self.kappa, 1, nodes),)
+        pairs = (
+            *self._pairs("in contact", step, _step),
+            *self._pairs("until contact", now, partial(_left, kappa_init)),
+        )
+        return Mpcc((kappa,), (progress,), (), pairs) + self.always()
+
+    def _pairs(self, kept: Kept, slots: tuple[Slot, ...], share: Share) -> Iterator[Pair]:
+        """Vanishing pairs of the conditions that are kept so, at all nodes but the last; G is a `share` of what `slots` read."""
+        for name, condition, imposed in self._blocks(range(self.trajectory.grid.intervals), kept):
+            paired = block(
+                imposed.name, slots + imposed.slots, partial(_pair, imposed.function, share), parameters=imposed.parameters,
+                unit=condition.unit, function=f"pair_{name}",
+            )  # fmt: skip
+            yield Pair(paired, "vanishing", condition.limit, sign_known=True)
 
     @property
     def kappa(self) -> str:
@@ -124,9 +129,7 @@ def _left(kappa_init: int, now: ca.SX, *reads: ca.SX) -> tuple[ca.SX, tuple[ca.S
     return now / kappa_init, reads
 
 
-def _pair(
-    condition: ca.Function, share: Callable[..., tuple[ca.SX, tuple[ca.SX, ...]]], *reads: ca.SX
-) -> ca.SX:
+def _pair(condition: ca.Function, share: Share, *reads: ca.SX) -> ca.SX:
     """G, once for each row of the condition H."""
     g, (*z, p) = share(*reads)
     h = condition(ca.vertcat(*z), p, 0)

@@ -35,10 +35,10 @@ def contact_flown(evidence: ContactEvidence) -> Checks:
                 what, limit = f"{contact.noun} in contact{stop.label}", _allowed(name, contact.limit, limits)
                 yield at_most(f"contact_{name}", what, gap, limit, contact.unit, where, advice=advice.CONTACT)
         for name, contact in path_contacts(stop):
-            where = np.flatnonzero(one.path_samples(contact))
-            if not len(where):
+            asked = one.path_samples(contact)
+            if not asked.any():
                 continue
-            gap, (k,) = worst(one.replayed[name][where])
+            gap, (k,) = worst(one.replayed[name][asked])
             limit, what = _allowed(name, contact.limit, limits), contact.noun + stop.label
             yield at_most(
                 f"replay_path_{name}", what, gap, limit, contact.unit, evidence.at(k), advice=advice.FINER
@@ -71,10 +71,10 @@ def _claims(one: Audit, limits: Limits) -> Checks:
 def _path(one: Audit, limits: Limits) -> Checks:
     """Path conditions hold at every node up to where they end."""
     for name, contact in path_contacts(one.stop):
-        where = np.flatnonzero(one.path_nodes(contact))
-        if not len(where):
+        asked = one.path_nodes(contact)
+        if not asked.any():
             continue
-        gap, (k,) = worst(one.planned[name][where])
+        gap, (k,) = worst(one.planned[name][asked])
         what, limit = contact.noun + one.stop.label, contact.limit + limits.node
         yield at_most(f"path_{name}", what, gap, limit, contact.unit, f" at node {k}", advice=advice.PATH)
 
