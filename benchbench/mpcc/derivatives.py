@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import math
 import os
 import platform
-import shutil
-import subprocess
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -25,12 +24,11 @@ import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Index
+from benchbench.mpcc import compiler
 from benchbench.mpcc.cache import cache_root, private
 
 log = logging.getLogger(__name__)
 Compile = Literal["auto", "never"]
-FLAGS = ("-O0", "-fPIC", "-shared")
-"""-O1 halves the time of an evaluation, but gcc takes 2.6 s for a block of verlet in place of 0.6."""
 FUNCTIONS, PATTERN, LIBRARY = "functions.casadi", "pattern.npz", "block.so"
 KINDS = ("value", "first", "second")
 PLACES = ("rows", "columns", "hessian_rows", "hessian_columns")
@@ -58,11 +56,15 @@ class Derivatives:
 
 
 def derivatives(
-    functions: Sequence[ca.Function], compile: Compile = "auto", instances: Sequence[int] | None = None
+    functions: Sequence[ca.Function],
+    compile: Compile = "auto",
+    instances: Sequence[int] | None = None,
+    seconds: float = math.inf,
 ) -> list[Derivatives]:
     """Return the derivatives of each function, from the cache where possible.
 
-    instances: how often each function is applied; None: often enough to compile it. Processes that meet at an
+    instances: how often each function is applied; None: often enough to compile it. seconds: CPU time for compilers; a
+    function that takes longer stays interpreted, in this process for good. Processes that meet at an
     empty cache wait for each other, so that each function is differentiated and compiled once.
     """
     root = cache_root()
@@ -70,7 +72,7 @@ def derivatives(
     often = [True] * len(functions) if instances is None else [n >= MANY for n in instances]
     wanted = [(folder, compile, instances is None, n) for folder, n in zip(folders, often, strict=True)]
     if any(_LOADED.get(key, (None,))[0] != _stamp(key[0]) for key in wanted):
-        found = _from_disk(functions, folders, compile, instances)
+        found = _from_disk(functions, folders, compile, instances, seconds)
         stamps = map(_stamp, folders)
         _LOADED.update(zip(wanted, zip(stamps, found, strict=True), strict=True))
     return [_LOADED[key][1] for key in wanted]
@@ -98,6 +100,7 @@ def _from_disk(
     folders: Sequence[Path],
     compile: Compile,
     instances: Sequence[int] | None,
+    seconds: float,
 ) -> list[Derivatives]:
     by_folder = dict(zip(folders, functions, strict=True))
     with _lacking(by_folder, FUNCTIONS, PATTERN) as missing:
@@ -106,9 +109,11 @@ def _from_disk(
     found = [_Pattern.load(folder) for folder in folders]
     often = [MANY] * len(functions) if instances is None else instances
     worth = [p.worth_compiling(n) or instances is None for p, n in zip(found, often, strict=True)]
-    if compile == "auto" and shutil.which("gcc"):
+    if compile == "auto" and compiler.found():
         with _lacking([p for p, w in zip(folders, worth, strict=True) if w], LIBRARY) as missing:
-            _compile_all(missing)
+            sources = {folder: _functions(folder) for folder in missing}
+            for folder, made in compiler.build(sources, LIBRARY, seconds):
+                _publish(made, folder)
     return [_load(*each, compile) for each in zip(folders, functions, found, worth, strict=True)]
 
 
@@ -230,7 +235,7 @@ def _folder(function: ca.Function, root: Path) -> Path:
 def _maker() -> str:
     """What makes the entries: this module, CasADi, the machine, the compiler's flags."""
     here = Path(__file__).read_text()
-    return "|".join([here, metadata.version("casadi"), platform.machine(), *FLAGS])
+    return "|".join([here, metadata.version("casadi"), platform.machine(), *compiler.FLAGS])
 
 
 def _publish(file: Path, folder: Path) -> None:
@@ -249,24 +254,3 @@ def _intact(file: Path) -> bool:
         return private(file) and seal == hashlib.sha256(file.read_bytes()).hexdigest().encode()
     except OSError:
         return False
-
-
-def _compile_all(folders: Sequence[Path]) -> None:
-    jobs = []
-    for folder in folders:
-        scratch = Path(tempfile.mkdtemp(dir=folder))
-        source = ca.CodeGenerator("block.c")
-        for function in _functions(folder):
-            source.add(function)
-        source.generate(str(scratch) + os.sep)
-        command = ["gcc", *FLAGS, str(scratch / "block.c"), "-o", str(scratch / LIBRARY), "-lm"]
-        jobs.append((folder, scratch, subprocess.Popen(command, stderr=subprocess.PIPE)))
-    for folder, scratch, job in jobs:
-        _, stderr = job.communicate()
-        if job.returncode == 0:
-            _publish(scratch / LIBRARY, folder)
-        else:
-            log.warning(
-                "gcc failed, the block stays interpreted: %s", stderr.decode(errors="replace").strip()[-200:]
-            )
-        shutil.rmtree(scratch)

@@ -1,4 +1,4 @@
-"""CPU time of parts that lie deep inside others: noted where it is spent, collected where it is summed."""
+"""CPU time and counts of parts that lie deep inside others: noted where they arise, collected where they are summed."""
 
 from __future__ import annotations
 
@@ -17,14 +17,19 @@ def spending(part: str) -> Iterator[None]:
     try:
         yield
     finally:
-        parts = _PARTS.get()
-        if parts is not None:
-            parts[part] = parts.get(part, 0.0) + cpu_s() - before
+        note(part, cpu_s() - before)
+
+
+def note(part: str, amount: float) -> None:
+    """Add an amount under a name, if somebody collects."""
+    parts = _PARTS.get()
+    if parts is not None:
+        parts[part] = parts.get(part, 0.0) + amount
 
 
 @contextmanager
 def collecting() -> Iterator[dict[str, float]]:
-    """Give a mapping that holds, after the body, the CPU seconds noted inside it by name."""
+    """Give a mapping that holds, after the body, what was noted inside it by name."""
     parts: dict[str, float] = {}
     token = _PARTS.set(parts)
     try:

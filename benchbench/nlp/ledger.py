@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 from benchbench.mpcc.spending import collecting, cpu_s
-from benchbench.nlp.program import DERIVATIVES
+from benchbench.nlp.program import DERIVATIVES, INTERPRETED
 from benchbench.nlp.solver import Outcome, Progress
 
 SHORTEST = 0.1
@@ -52,6 +52,8 @@ class Ledger:
     watch: Watch | None = None
     build_cpu: float = 0.0
     derivatives_cpu: float = 0.0
+    interpreted: int = 0
+    """Blocks of one problem that could not be compiled, at most."""
     judging_cpu: float = 0.0
     """Certificates, also those that a strategy looked at on its way."""
     verdicts: list[object] = field(default_factory=list)
@@ -75,6 +77,7 @@ class Ledger:
             yield
         self.build_cpu += cpu_s() - before
         self.derivatives_cpu += parts.get(DERIVATIVES, 0.0)
+        self.interpreted = max(self.interpreted, int(parts.get(INTERPRETED, 0)))
 
     @contextmanager
     def judging(self) -> Iterator[None]:
@@ -110,7 +113,7 @@ class Ledger:
         """CPU seconds of all solves."""
         return sum(one.total for one in self.solves)
 
-    def costs(self) -> dict[str, float | None]:
+    def costs(self) -> dict[str, float | int | None]:
         """Return the columns of the record that say where the CPU time went."""
         told = [one.functions for one in self.solves if one.functions is not None]
         functions = sum(told) if self.solves and len(told) == len(self.solves) else None
@@ -118,6 +121,7 @@ class Ledger:
         return {
             "build_cpu_s": self.build_cpu,
             "derivatives_cpu_s": self.derivatives_cpu,
+            "interpreted_blocks": self.interpreted,
             "solve_cpu_s": self.solve_cpu,
             "functions_cpu_s": functions,
             "linear_algebra_cpu_s": None if functions is None else max(self.solve_cpu - functions, 0.0),

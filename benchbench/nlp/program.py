@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,10 +12,12 @@ import numpy as np
 from benchbench.arrays import Array, Index
 from benchbench.mpcc.derivatives import Compile, Derivatives, derivatives
 from benchbench.mpcc.problem import Block, Mpcc, gather
-from benchbench.mpcc.spending import spending
+from benchbench.mpcc.spending import note, spending
 
 DERIVATIVES = "derivatives"
 """What the CPU time of taking and compiling derivatives is noted as."""
+INTERPRETED = "interpreted"
+"""What the number of blocks that could not be compiled is noted as."""
 
 
 @dataclass(frozen=True)
@@ -54,17 +57,21 @@ class Program:
         return np.concatenate([[sigma], *(b.parameters.ravel() for b in _open(mpcc, self.adjustable))])
 
 
-def assemble(mpcc: Mpcc, compile: Compile = "auto", adjustable: Collection[str] = ()) -> Program:
+def assemble(
+    mpcc: Mpcc, compile: Compile = "auto", adjustable: Collection[str] = (), seconds: float = math.inf
+) -> Program:
     """Stack the variables, costs and constraints of an MPCC without pairs (a relaxed one).
 
     The parameters of blocks named in `adjustable` become parameters of the program; all others are constants.
+    Half of the CPU `seconds` may go to compilers; blocks that take longer stay interpreted, and are counted.
     """
     if mpcc.pairs:
         raise ValueError("pairs must be relaxed before assembly")
     blocks = _blocks(mpcc)
     costs = sum(1 for b in mpcc.costs if b.instances)
     with spending(DERIVATIVES):
-        local = derivatives([b.function for b in blocks], compile, [b.instances for b in blocks])
+        local = derivatives([b.function for b in blocks], compile, [b.instances for b in blocks], seconds / 2)
+    note(INTERPRETED, sum(not d.compiled for d in local) if compile == "auto" else 0)
     free = _open(mpcc, adjustable)
     x, p = ca.MX.sym("x", mpcc.size), ca.MX.sym("p", 1 + sum(b.parameters.size for b in free))
     sigma, *open_numbers = ca.vertsplit(p, np.cumsum([0, 1, *(b.parameters.size for b in free)]).tolist())

@@ -10,8 +10,8 @@ INTERVALS = 20_000
 """Intervals of a grid; an NLP has some twenty unknowns in each."""
 GATES = 2_000
 """Gates of a race, and of a lap."""
-POINTS = 2_000
-"""Points of a path that a target follows; each is a piece of its motion."""
+POINTS = 10_000
+"""Points of a path that a target follows: ten minutes of a recording with 16 rows a second."""
 TRIES = 100_000
 """Times that a strategy solves."""
 TRACK_BYTES, CSV_BYTES, JSON_BYTES = 1_000_000, 10_000_000, 200_000_000

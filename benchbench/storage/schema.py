@@ -94,6 +94,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("solve_cpu_high_s", "float", "s", "largest CPU time of the solves of the repeats"),
     Column("peak_memory_mb", "float", "MB", "largest resident memory of the run's process (1 MB = 10^6 bytes)"),
     Column("derivatives_cpu_s", "float", "s", "part of build_cpu_s: derivatives of the blocks, taken, compiled or read from the cache"),
+    Column("interpreted_blocks", "int", "", "blocks that could not be compiled and stayed interpreted: no compiler, it failed, or half of time_limit was not enough for it"),
     Column("functions_cpu_s", "float", "s", "part of solve_cpu_s: objective, constraints and their derivatives evaluated; empty where the solver does not tell"),
     Column("linear_algebra_cpu_s", "float", "s", "the rest of solve_cpu_s: linear algebra and the method's own steps; empty where the solver does not tell"),
     Column("guess_cpu_s", "float", "s", "part of solve_cpu_s: solves that only made the initial guess"),

@@ -10,7 +10,7 @@ from pydantic import InstanceOf
 from pydantic.dataclasses import dataclass
 
 from benchbench.arrays import Array
-from benchbench.ocp.motion import Motion
+from benchbench.ocp.motion import Motion, sample
 
 
 @final
@@ -33,3 +33,14 @@ class Combined(Motion):
             total += part.position(time, parameters[first : first + count])
             first += count
         return total
+
+
+@sample.register
+def _(motion: Combined, times: Array) -> tuple[Array, Array]:
+    """Sum of what the parts say of themselves."""
+    none = np.zeros((len(times), 3))
+    position, velocity = none, none
+    for part in motion.parts:
+        place, rate = sample(part, times)
+        position, velocity = position + place, velocity + rate
+    return position, velocity

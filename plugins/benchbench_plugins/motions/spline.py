@@ -1,7 +1,8 @@
-"""A target that runs through timed points, for example a predicted path of a mobile robot."""
+"""A target that runs through timed points, for example a predicted path of a mobile robot or a recorded one."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from typing import final
 
@@ -10,12 +11,15 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from benchbench.arrays import Array
-from benchbench.errors import BadInput
-from benchbench.ocp.motion import Motion
+from benchbench.ocp.motion import Motion, sample
 from benchbench.ocp.reading import content
-from benchbench.ocp.sizes import CSV_BYTES, POINTS
+from benchbench.ocp.scenario import NonNegative
+from benchbench.ocp.sizes import CSV_BYTES
+from benchbench_plugins.motions.spline_fit import smoothed
+from benchbench_plugins.motions.spline_table import FIELD, read
 
-FIELD = "scenario.target.csv"
+KEPT = 8
+"""Paths that are kept in memory once they are fitted."""
 
 
 @final
@@ -23,58 +27,72 @@ FIELD = "scenario.target.csv"
 class Spline(Motion):
     """Natural cubic spline through the rows `t,x,y,z` (s, m) of a CSV file with that header.
 
-    Before the first and after the last time the target goes on in a straight line.
+    noise_m  standard deviation of the measured positions' noise on each axis, m: the spline passes the points by so
+             much (root mean square) and is as smooth as that allows; 0: through the points. Without it the noise of a
+             recording becomes a motion that the vehicle is asked to follow: 1 mm at 100 Hz is 0.1 m/s from row to row.
+
+    Before the first and after the last time the target goes on in a straight line. The cost of a plan does not depend
+    on the number of rows: the spline is a table in which the planner looks up its place, not an expression.
     """
 
     csv: Path
+    noise_m: NonNegative = 0.0
 
     @property
     def points(self) -> Array:
-        """The rows of the file, (n, 4); raises BadInput when the file is missing or malformed."""
-        try:
-            header, *lines = _text(self.csv).splitlines() or [""]
-            if [name.strip() for name in header.split(",")] != ["t", "x", "y", "z"]:
-                raise BadInput(FIELD, f"has the header '{header[:40]}'", "t,x,y,z")
-            table = np.loadtxt(lines, delimiter=",", ndmin=2) if lines else np.zeros((0, 4))
-        except ValueError as error:
-            raise BadInput(FIELD, str(error), "numbers in four columns t,x,y,z") from None
-        if table.shape[1] != 4 or len(table) < 3 or not np.all(np.isfinite(table)):
-            raise BadInput(FIELD, f"has shape {table.shape}", "at least 3 rows of finite t,x,y,z")
-        if len(table) > POINTS:
-            raise BadInput(FIELD, f"has {len(table)} rows", f"at most {POINTS}")
-        if np.any(np.diff(table[:, 0]) <= 0):
-            raise BadInput(FIELD, "times do not increase", "strictly increasing t")
-        return table
+        """The rows of the file, less their noise, (n, 4); raises BadInput when the file is missing or malformed."""
+        return _points(_content(self.csv), self.noise_m)
 
     @property
     def parameters(self) -> Array:
-        """Per piece: start time, then a + b s + c s^2 + d s^3 for x, y, z with s = t - start; (pieces, 13)."""
-        from scipy.interpolate import CubicSpline  # a third of a second, which no other motion needs
-
-        table = self.points
-        spline = CubicSpline(table[:, 0], table[:, 1:], bc_type="natural")
-        pieces = np.concatenate(
-            [spline.x[:-1, None], spline.c[::-1].transpose(1, 0, 2).reshape(-1, 12)], axis=1
-        )
-        first = np.concatenate([[-1e9], table[0, 1:], spline.c[2, 0], np.zeros(6)])
-        last = np.concatenate([[table[-1, 0]], table[-1, 1:], spline(table[-1, 0], 1), np.zeros(6)])
-        return np.concatenate([np.array([first, *pieces, last]).ravel(), table[:1, 0]])
+        """None: the table is part of the function, since every instance of a block would repeat it as parameters."""
+        return np.zeros(0)
 
     def position(self, time: ca.SX, parameters: ca.SX) -> ca.SX:
-        """Piecewise cubic, twice continuously differentiable."""
-        count = (parameters.shape[0] - 1) // 13
-        pieces = ca.reshape(parameters[:-1], 13, count)
-        result = self._piece(pieces[:, 0], time - parameters[-1])
-        for i in range(1, count):
-            here = self._piece(pieces[:, i], time - pieces[0, i])
-            result = ca.if_else(time >= pieces[0, i], here, result)
-        return result
-
-    @staticmethod
-    def _piece(numbers: ca.SX, s: ca.SX) -> ca.SX:
-        a, b, c, d = (numbers[1 + 3 * i : 4 + 3 * i] for i in range(4))
-        return a + s * (b + s * (c + s * d))
+        """Twice continuously differentiable; B-splines, evaluated as a function that the expression calls."""
+        ends, rates, table = _table(_content(self.csv), self.noise_m)
+        inside = ca.fmin(ca.fmax(time, ends[0]), ends[1])
+        beyond = ca.fmin(time - ends[0], 0) * ca.DM(rates[0]) + ca.fmax(time - ends[1], 0) * ca.DM(rates[1])
+        return table(inside) + beyond
 
 
-def _text(path: Path) -> str:
-    return content(path, FIELD, CSV_BYTES, "a CSV file with the header t,x,y,z").decode("utf-8-sig")
+@sample.register
+def _(motion: Spline, times: Array) -> tuple[Array, Array]:
+    """The same motion from SciPy's piecewise polynomials: what judges a plan shares only the points with the planner."""
+    return _numbers(_content(motion.csv), motion.noise_m, times)
+
+
+def _content(path: Path) -> bytes:
+    return content(path, FIELD, CSV_BYTES, "a CSV file with the header t,x,y,z")
+
+
+@lru_cache(KEPT)
+def _points(data: bytes, noise: float) -> Array:
+    points = read(data)
+    found = smoothed(points, noise) if noise else points
+    found.flags.writeable = False
+    return found
+
+
+@lru_cache(KEPT)
+def _table(data: bytes, noise: float) -> tuple[Array, Array, ca.Function]:
+    """First and last time (2,), velocities there (2, 3), and time -> position."""
+    from scipy.interpolate import make_interp_spline  # a third of a second, which no other motion needs
+
+    points = _points(data, noise)
+    ends = points[[0, -1], 0]
+    spline = make_interp_spline(points[:, 0], points[:, 1:], k=3, bc_type="natural")
+    table = ca.Function.bspline(
+        "path", [spline.t.tolist()], spline.c.ravel().tolist(), [3], 3, {"never_inline": True}
+    )
+    return ends, spline(ends, 1), table
+
+
+def _numbers(data: bytes, noise: float, times: Array) -> tuple[Array, Array]:
+    from scipy.interpolate import CubicSpline
+
+    points = _points(data, noise)
+    spline = CubicSpline(points[:, 0], points[:, 1:], bc_type="natural")
+    inside = np.clip(times, *points[[0, -1], 0])
+    velocity = spline(inside, 1)
+    return spline(inside) + (times - inside)[:, None] * velocity, velocity

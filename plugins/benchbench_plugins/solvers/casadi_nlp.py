@@ -62,10 +62,11 @@ def prepare(backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, An
     """
     options = {**COMMON, **options}
     with quiet():
-        program = backend.change(assemble(mpcc, setup.compile))
+        program = backend.change(assemble(mpcc, setup.compile, seconds=setup.seconds))
         problem: Any = None
         if program.compiled:
-            problem = oracle(program, mpcc, signatures(_create(backend.plugin, _tiny(), options)))
+            wanted = signatures(_create(backend.plugin, _tiny(), options))
+            problem = oracle(program, mpcc, wanted, setup.seconds / 2)
         if problem is None:
             program = backend.change(assemble(mpcc, "never")) if program.compiled else program
             problem, options["expand"] = _problem(program), True
@@ -76,7 +77,7 @@ def prepare_with_derivatives(
     backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, Any]
 ) -> Prepared:
     """Build a solver that takes derivative functions as options (IPOPT, BONMIN): nothing more to compile."""
-    program = backend.change(assemble(mpcc, setup.compile))
+    program = backend.change(assemble(mpcc, setup.compile, seconds=setup.seconds))
     given = {**_derivatives(program), **options, **(backend.fixed or {})}
     return finish(backend, program, _problem(program), setup, given)
 
@@ -85,7 +86,7 @@ def prepare_parametric(
     backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, Any], adjustable: Collection[str]
 ) -> Parametric:
     """Build one solver for all problems that differ in numbers only (see `Solver.prepare_parametric`)."""
-    program = assemble(mpcc, setup.compile, adjustable)
+    program = assemble(mpcc, setup.compile, adjustable, setup.seconds)
     run = _runner(backend, program, _problem(program), setup, {**_derivatives(program), **options})
     return lambda moved, start: run(program.moved(moved), program.numbers(moved, 0.0), start)
 

@@ -60,7 +60,7 @@ class Cvxpy(Solver):
         """Assemble, pose the subproblem. Raises Unavailable."""
         cvxpy()
         native = self.native_options(setup)
-        model = LocalModel(mpcc, setup.compile)
+        model = LocalModel(mpcc, setup.compile, setup.seconds)
         subproblem = Subproblem(model, self.solver, native["options"])
         limits = (native["tolerance"], native["iterations"], native["seconds"])
         rules = Rules(*limits, self.radius, self.weight, setup.progress)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import casadi as ca
@@ -39,8 +40,8 @@ class LocalModel:
     answer a step of 1 m/s with 10^4.
     """
 
-    def __init__(self, mpcc: Mpcc, compile: Compile) -> None:
-        self.program: Program = assemble(mpcc, compile)
+    def __init__(self, mpcc: Mpcc, compile: Compile, seconds: float = math.inf) -> None:
+        self.program: Program = assemble(mpcc, compile, seconds=seconds)
         self.costs = [b for b in mpcc.costs if b.instances]
         self.rows = [b for b in mpcc.constraints if b.instances]
         blocks = [*self.costs, *self.rows]
@@ -48,7 +49,7 @@ class LocalModel:
         self.jacobian_pattern = _pattern(self.program.jacobian, 1)
         self.scale: Array = np.ones(self.m)
         self.evaluations = 0
-        local = derivatives([b.function for b in blocks], compile)
+        local = derivatives([b.function for b in blocks], compile, seconds=seconds / 2)
         self.curves = [
             _BlockCurvature(b, d, gather(b, mpcc.offsets)) for b, d in zip(blocks, local, strict=True)
         ]

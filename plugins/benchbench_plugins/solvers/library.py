@@ -9,9 +9,7 @@ for N = 50 once, then cached. Blocks are compiled once for any N (see `benchbenc
 from __future__ import annotations
 
 import hashlib
-import logging
 import os
-import subprocess
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,11 +17,11 @@ from pathlib import Path
 import casadi as ca
 
 from benchbench.mpcc.cache import cache_root, private
-from benchbench.mpcc.derivatives import FLAGS, library
+from benchbench.mpcc.compiler import FLAGS, start, succeeds
+from benchbench.mpcc.derivatives import library
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.program import Program
 
-log = logging.getLogger(__name__)
 Signatures = Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]]
 """Functions by name: (names of inputs, names of outputs)."""
 PRODUCTS = {"nlp_grad_l", "fwd1_nlp_grad_l"}
@@ -38,11 +36,11 @@ ADJOINT: Signatures = {
 }  # fmt: skip
 
 
-def oracle(program: Program, mpcc: Mpcc, wanted: Signatures) -> ca.Function | None:
+def oracle(program: Program, mpcc: Mpcc, wanted: Signatures, seconds: float) -> ca.Function | None:
     """Return the program as a library function with all `wanted` functions beside it, or None if impossible.
 
     Impossible: blocks that should be compiled and are not, two blocks with one name, a function we do not know, or a
-    compiler that fails.
+    compiler that fails or takes longer than so many CPU seconds.
     """
     libraries = _libraries(mpcc) if program.compiled else None
     terms = _terms(program)
@@ -60,7 +58,7 @@ def oracle(program: Program, mpcc: Mpcc, wanted: Signatures) -> ca.Function | No
                 name, [terms[i] for i in inputs], [terms[o] for o in outputs], list(inputs), list(outputs)
             ))  # fmt: skip
         generator.generate(scratch + os.sep)
-        compiled = _compile(source, libraries)
+        compiled = _compile(source, libraries, seconds)
     return ca.external("nlp", str(compiled)) if compiled else None
 
 
@@ -101,7 +99,7 @@ def _terms(program: Program) -> dict[str, ca.MX]:
     }  # fmt: skip
 
 
-def _compile(source: Path, libraries: list[Path]) -> Path | None:
+def _compile(source: Path, libraries: list[Path], seconds: float) -> Path | None:
     """Compile and link, or find the result of an earlier run; None when the compiler fails."""
     links = [str(path) for path in libraries]
     key = hashlib.sha256("|".join([source.read_text(), *links, *FLAGS]).encode()).hexdigest()[:32]
@@ -109,14 +107,7 @@ def _compile(source: Path, libraries: list[Path]) -> Path | None:
     if target.is_file() and private(target):
         return target
     made = source.with_suffix(".so")
-    job = subprocess.run(
-        ["gcc", *FLAGS, str(source), "-o", str(made), *links, "-lm"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if job.returncode:
-        log.warning("gcc failed on the assembled program: %s", job.stderr.strip()[-200:])
+    if not succeeds(start(source, made, seconds, libraries), "the assembled program stays interpreted"):
         return None
     made.chmod(0o700)
     os.replace(made, target)
