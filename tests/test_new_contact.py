@@ -120,6 +120,7 @@ def test_words_of_a_gap(unit: str, gap: float, words: str) -> None:
 STATE = {"position", "velocity"}
 """Names of contacts that are words for parts of a state, too: they count where a statement is about contacts."""
 ELSEWHERE = {
+    "formulation/handover.py": {"approach"},  # the phase before a contact
     "ocp/track_file.py": {"heading"},  # of a gate
     "storage/flight_csv.py": {"position", "velocity"},  # columns of a flight, beside that of contacts
     "storage/upgrade.py": {
