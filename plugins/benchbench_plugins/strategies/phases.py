@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Annotated, final
 
 from pydantic import Field
@@ -13,7 +12,7 @@ from benchbench.ocp.plan import Plan
 from benchbench.ocp.sizes import Tries
 from benchbench.planning import posing
 from benchbench.planning.case import Case, Strategy
-from benchbench.planning.guess import GivenStart
+from benchbench.planning.ladder import rung
 from benchbench.planning.margins import measured
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import pose, retried
@@ -34,7 +33,7 @@ class Phases(Strategy):
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
-        """Guess, pose, solve; once more with margins where the replay asks for them."""
+        """Guess, pose, solve; where the replay asks for margins once more with them, from plan and multipliers."""
 
         def once(case: Case, start: Plan) -> Result:
             with ledger.building():
@@ -43,7 +42,7 @@ class Phases(Strategy):
 
         def repeatedly(case: Case, near: Result | None) -> Result:
             if near is not None:
-                case = replace(case, guess=GivenStart(near.plan), seed=0)
+                return rung(case, ledger, near.plan, near)
             return retried(case, ledger, self.attempts, self.patience, once)
 
         return measured(case, ledger, self.margin, repeatedly)
