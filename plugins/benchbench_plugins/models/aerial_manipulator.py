@@ -15,6 +15,7 @@ from pydantic import ValidationError
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput, invalid
+from benchbench.ocp.airframe import Airframe, FlownModel
 from benchbench.ocp.model import (
     Coordinates,
     LagrangianModel,
@@ -35,7 +36,7 @@ INPUTS = ("motor_1", "motor_2", "motor_3", "motor_4", "servo")
 
 
 @final
-class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel):
+class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel, FlownModel):
     """Aerial manipulator of the paper.
 
     force_model "virtual_work": Q_p = R e_3 sum f, Q_xi = E(xi)^T tau_B, Q_alpha = tau_servo. The arm angle
@@ -184,6 +185,19 @@ class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel
         force = np.clip(size * (p.quadrotor_mass + p.arm_mass) / 4, *motors)
         u = np.hstack([np.repeat(force[:, None], 4, axis=1), np.zeros((n - 1, 1))])
         return q, np.clip(v, limits.lower, limits.upper), u
+
+    @property
+    def airframe(self) -> Airframe:
+        """Rotors 1 to 4 stand where paper Eq. 2 has them."""
+        p = self.parameters
+        lever = np.sqrt(2) / 4 * p.frame
+        return Airframe(
+            mass=p.quadrotor_mass, arm_mass=p.arm_mass, inertia=np.array(p.quadrotor_inertia),
+            arm_inertia=np.array(p.arm_inertia), arm_length=p.arm_length, arm_offset=p.arm_offset,
+            rotors=lever * np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]]),
+            drag=p.torque_coefficient * np.array([-1.0, -1.0, 1.0, 1.0]), gravity=p.gravity,
+            motor_force=p.motor_force, servo_torque=p.servo_torque, speed=p.speed,
+        )  # fmt: skip
 
     def plant(self) -> Plant:
         """Independent Newton-Euler equations."""

@@ -1,0 +1,77 @@
+"""The reference on the grid of a controller, made consistent with the controller's own discrete model."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchbench.arrays import Array
+from benchbench.flight.reference import Reference, matrices
+from benchbench.flight.statics import mixer
+from benchbench.ocp.airframe import Airframe
+from benchbench_plugins.controllers.prediction import STATES, stage
+
+GRID = 0.01
+"""s, of the tables; commands and stages begin on it."""
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Rows every GRID s from the reference's first time on.
+
+    state    (n, 10); inputs (n, 4): what leads from each state to the one a stage later, mean over that stage
+    offset   (n, 10): what the model misses in doing so, the arm's coupling acceleration above all; added to each step
+    error    (n, 3, 4): attitude error 2 vec(q_r* (x) q) as a matrix on q
+    arm      (n,) rad
+    coupling (m, 3) m/s^2 every `Reference.step`: acceleration of the reference that the model's thrust does not give
+    wrench   (m, 4) thrust N and body torques N m of the plan, every `Reference.step`
+    """
+
+    start: float
+    state: Array
+    inputs: Array
+    offset: Array
+    error: Array
+    arm: Array
+    coupling: Array
+    wrench: Array
+
+    def row(self, time: float) -> int:
+        """Return the row of a time."""
+        return max(round((time - self.start) / GRID), 0)
+
+
+def tables(reference: Reference, airframe: Airframe, step: float) -> Tables:
+    """Make them for stages of `step` s."""
+    each, span = round(GRID / reference.step), round(step / reference.step)
+    rows = np.arange(0, len(reference.time), each)
+    later = np.minimum(rows + span, len(reference.time) - 1)
+    wrench = reference.inputs[:, :4] @ mixer(airframe).T
+    push = np.cumsum(np.append(0.0, wrench[:, 0])) / airframe.total_mass
+    mean = (push[np.maximum(later, rows + 1)] - push[rows]) / np.maximum(later - rows, 1)
+    q, after = reference.state[rows, 3:7], reference.state[later, 3:7]
+    inputs = np.hstack([_rates(q, after) / step, mean[:, None]])
+    state = reference.state[:, [*range(7), 8, 9, 10]]
+    model = stage(airframe.gravity, step).map(len(rows))
+    ends = model(state[rows].T, inputs.T, np.zeros((STATES, len(rows))))[0].full().T
+    up = matrices(reference.state[:, 3:7])[:, :, 2]
+    thrust = up * wrench[:, :1] / airframe.total_mass - [0, 0, airframe.gravity]
+    return Tables(
+        float(reference.time[0]), state[rows], inputs, state[later] - ends, _errors(q), reference.state[rows, 7],
+        reference.acceleration - thrust, wrench,
+    )  # fmt: skip
+
+
+def _rates(q: Array, after: Array) -> Array:
+    """Constant rates (n, 3) that turn q into `after` in unit time."""
+    vector = np.einsum("nij,nj->ni", _errors(q), after) / 2
+    size = np.linalg.norm(vector, axis=1)
+    angle = 2 * np.arcsin(np.minimum(size, 1.0))
+    return vector * np.where(size > 1e-9, angle / np.maximum(size, 1e-9), 2.0)[:, None]
+
+
+def _errors(q: Array) -> Array:
+    w, x, y, z = q.T
+    rows = [[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]]
+    return 2 * np.moveaxis(np.array(rows), -1, 0)

@@ -1,0 +1,1 @@
+"""Built-in models of the residual acceleration."""

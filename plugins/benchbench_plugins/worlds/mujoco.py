@@ -1,0 +1,136 @@
+"""The world as MuJoCo moves it: rigid bodies, contacts, a magnet that acts at a distance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, final
+
+import numpy as np
+
+from benchbench.arrays import Array
+from benchbench.errors import Unavailable
+from benchbench.flight.inertia import rigid
+from benchbench.flight.mismatch import Drawn
+from benchbench.flight.reference import Reference
+from benchbench.flight.rig import Rig
+from benchbench.flight.world import STEP, Actuators, Truth, World
+from benchbench.ocp.airframe import Airframe
+from benchbench_plugins.worlds.mjcf import TIP, mjcf
+from benchbench_plugins.worlds.surroundings import Surroundings
+
+TOUCHING = 5e-4
+"""m, clearance at which the ball is held: contacts of MuJoCo give way by less."""
+VEHICLE, STAND, BALL = 7, 10, 17
+"""Velocities of vehicle, stand and ball end there; positions one, one and two later: quaternions have four numbers."""
+
+
+@final
+class Mujoco(World):
+    """MuJoCo: independent code, with contacts, friction and a carried mass.
+
+    servo_stiffness, servo_damping   N m/rad and N m s/rad of the servo's own loop
+    """
+
+    def __init__(self, servo_stiffness: float = 6.0, servo_damping: float = 0.3) -> None:
+        """Keep the gains of the servo."""
+        self.servo = (servo_stiffness, servo_damping)
+
+    def prepare(
+        self, reference: Reference, airframe: Airframe, rig: Rig, mismatch: Drawn
+    ) -> Callable[[Actuators], Truth]:
+        """Compile the model, put in the masses of this flight, and place everything; raises Unavailable."""
+        model, data = compiled(airframe, rig, mismatch)
+        place(data, reference.state[0], reference.target[0], rig.ball_radius)
+        return _Running(model, data, reference, airframe, rig, mismatch, self.servo).step
+
+
+def compiled(airframe: Airframe, rig: Rig, mismatch: Drawn) -> tuple[Any, Any]:
+    """Return MuJoCo's model and data with this flight's masses. Raises Unavailable without MuJoCo."""
+    try:
+        import mujoco
+    except ImportError:
+        raise Unavailable("worlds: mujoco is not installed; pip install 'benchbench[flight]'") from None
+    model = mujoco.MjModel.from_xml_string(
+        mjcf(airframe, rig, STEP, rig.ball_mass * (1 + mismatch.ball_mass))
+    )
+    vehicle, arm = model.body("vehicle").id, model.body("arm").id
+    real = rigid if mismatch.rigid else np.asarray
+    model.body_mass[vehicle] = airframe.mass * (1 + mismatch.mass)
+    model.body_mass[arm] = airframe.arm_mass
+    model.body_inertia[vehicle] = real(airframe.inertia) * (1 + mismatch.mass)
+    model.body_inertia[arm] = real(airframe.arm_inertia)
+    model.body_ipos[vehicle, :2] = mismatch.centre_of_mass
+    data = mujoco.MjData(model)
+    mujoco.mj_setConst(model, data)
+    return model, data
+
+
+def place(data: Any, state: Array, target: Array, radius: float) -> None:
+    """Put the vehicle into a state (15,), the stand and the ball where the target (6,) is."""
+    centre = target[:3] - [0, 0, radius]
+    data.qpos[:] = np.concatenate([state[:8], centre, centre, [1, 0, 0, 0]])
+    data.qvel[:] = np.concatenate([state[8:], target[3:], target[3:], np.zeros(3)])
+
+
+class _Running:
+    """One world that is being moved on."""
+
+    def __init__(
+        self, model: Any, data: Any, reference: Reference, airframe: Airframe, rig: Rig, mismatch: Drawn,
+        servo: tuple[float, float],
+    ) -> None:  # fmt: skip
+        import mujoco
+
+        self.advance, self.model, self.data, self.servo = mujoco.mj_step, model, data, servo
+        self.names = {model.geom(name).id: name for name in ("ground", "magnet", "ball")}
+        self.magnet, self.vehicle = model.geom("magnet").id, model.body("vehicle").id
+        self.own = {i for i in range(model.ngeom) if model.geom_bodyid[i] in (self.vehicle, self.vehicle + 1)}
+        self.centre, self.tip = data.xpos[model.body("ball").id], data.geom_xpos[self.magnet]
+        self.count, self.start, self.rig, self.mismatch = 0, float(reference.time[0]), rig, mismatch
+        late = round(mismatch.target_late / reference.step)
+        rows = np.clip(np.arange(len(reference.time)) - late, 0, None)
+        self.target = reference.target[rows] - [0, 0, rig.ball_radius, 0, 0, 0]
+        self.surroundings = Surroundings(mismatch, reference.window[0])
+        self.motors = reference.inputs[0, :4].copy()
+        self.gain = (1 + mismatch.thrust) * (1 + mismatch.motor)
+        self.quickness = 1 - math.exp(-STEP / mismatch.motor_lag) if mismatch.motor_lag > 0 else 1.0
+        data.ctrl[5] = 1.0
+
+    def step(self, actuators: Actuators) -> Truth:
+        """Move on by STEP."""
+        data, time = self.data, self.start + self.count * STEP
+        row = min(self.count, len(self.target) - 1)
+        data.qpos[8:11], data.qvel[VEHICLE:STAND] = self.target[row, :3], self.target[row, 3:]
+        self.motors += self.quickness * (np.clip(actuators.motors, *self.rig.motor_force) - self.motors)
+        data.ctrl[:4] = self.motors * self.gain
+        data.ctrl[4] = self._servo(*actuators.arm)
+        data.xfrc_applied[self.vehicle, :3] = self.surroundings.force(
+            time, data.qvel, float(data.qpos[2]), float(data.ctrl[:4].sum())
+        )
+        self.advance(self.model, data)
+        self.count += 1
+        state = np.concatenate([data.qpos[:8], data.qvel[:VEHICLE]])
+        ball = np.concatenate([data.qpos[11:14], data.qvel[STAND : STAND + 3]])
+        return Truth(time + STEP, state, ball, self._attached(), self._touched() if data.ncon else "")
+
+    def _servo(self, angle: float, rate: float, torque: float) -> float:
+        """A loop of its own about what it is told; its sensor tells too little by the bias."""
+        stiffness, damping = self.servo
+        error = angle - (float(self.data.qpos[7]) - self.mismatch.servo_bias)
+        asked = torque + stiffness * error + damping * (rate - float(self.data.qvel[6]))
+        low, high = self.rig.servo_torque
+        return min(max(asked, low), high)
+
+    def _attached(self) -> bool:
+        tip, centre = self.tip, self.centre
+        distance = math.dist((tip[0], tip[1], tip[2]), (centre[0], centre[1], centre[2]))
+        return distance < self.rig.ball_radius + TIP + TOUCHING
+
+    def _touched(self) -> str:
+        """Names of what the vehicle touches beside the ball at its magnet."""
+        found = set()
+        for one, other in self.data.contact.geom.tolist():
+            if one in self.own or other in self.own:
+                found.add(self.names.get(other if one in self.own else one, "stand"))
+        return " ".join(sorted(found))
