@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from benchbench.certificate.certificate import Certificate
+from benchbench.flight.campaign import Campaign
+from benchbench.flight.columns import Flights, flights
 from benchbench.nlp.ledger import Ledger, Watch
 from benchbench.planning import columns
 from benchbench.planning.case import AnyCase, Case
@@ -27,6 +29,7 @@ class Run:
     result: Result
     certificate: Certificate
     record: dict[str, Any]
+    flights: Flights | None = None
 
 
 def run(
@@ -35,18 +38,21 @@ def run(
     labels: Mapping[str, Any] | None = None,
     repeats: int = 1,
     known: BestKnown | None = None,
+    campaign: Campaign | None = None,
 ) -> Run:
-    """Plan, judge, record; raises BadInput for a case that cannot work.
+    """Plan, judge, fly where that is asked, record; raises BadInput for a case that cannot work.
 
     A flight is posed by its strategy; a ready-made MPCC enters at the waist, and there is no plan in its solution.
 
     labels: ready columns of the record; repeats: solves to time. The plan is always the first solve's; with
     more than one repeat that one is the warm-up and is not among the timed ones; known: best known values to compare
-    with, those that come with BenchBench unless said otherwise.
+    with, those that come with BenchBench unless said otherwise; campaign: how a certified plan is flown, None for not at all.
     """
     before = provenance.collect()
     began = time.perf_counter()
     validate(case)
+    if campaign:
+        campaign.check(getattr(case, "scenario", None), getattr(case, "model", None))
     ledger = Ledger(case.time_limit, watch)
     result = case.plan(ledger)
     timed = [_again(case, watch) for _ in range(repeats)] if repeats > 1 else [ledger]
@@ -60,10 +66,12 @@ def run(
         "wall_s": time.perf_counter() - began,
         **columns.spread(timed),
     }
+    flown = _fly(campaign, case, result, certificate, watch)
+    told |= flown.columns if flown else {}
     ready = {**before, **costs, **told, **(labels or {})}
     record = columns.record(case, result, certificate, ledger, ready)
     record |= (known or BestKnown.load(packaged())).compare(record)
-    return Run(case, result, certificate, record)
+    return Run(case, result, certificate, record, flown)
 
 
 def write(done: Run, folder: Path, table: Path, config: str, picture: bool = True) -> dict[str, Path]:
@@ -73,7 +81,15 @@ def write(done: Run, folder: Path, table: Path, config: str, picture: bool = Tru
     picture that cannot be made costs neither record nor row. config: the composed configuration as YAML; picture: whether
     to draw. Raises BadInput("output", ...) when the disk refuses.
     """
-    from benchbench.storage.files import CONFIG, RECORD, vacate, write_bytes, write_record, write_solution
+    from benchbench.storage.files import (
+        CONFIG,
+        FLIGHTS,
+        RECORD,
+        vacate,
+        write_bytes,
+        write_record,
+        write_solution,
+    )
     from benchbench.storage.table import append
 
     vacate(folder)
@@ -82,6 +98,9 @@ def write(done: Run, folder: Path, table: Path, config: str, picture: bool = Tru
     try:
         if isinstance(done.case, Case):
             paths["plan"] = _write_flight(done, done.case, folder, config)
+            if done.flights:
+                paths["flights"] = folder / FLIGHTS
+                write_bytes(paths["flights"], done.flights.table.encode())
             paths |= {"picture": _draw(done, done.case, folder)} if picture else {}
         else:
             solution = done.result.mpcc.split(done.result.solved.x)
@@ -109,6 +128,25 @@ def _draw(done: Run, case: Case, folder: Path) -> Path:
     path, plan, flight = folder / PICTURE, done.result.plan, done.certificate.flight
     draw(path, plan, case.scenario, case.model, flight, *caption(done.record))
     return path
+
+
+def _fly(
+    campaign: Campaign | None, case: AnyCase, result: Result, certificate: Certificate, watch: Watch | None
+) -> Flights | None:
+    """Fly a certified plan; there is nothing to be learned from flying another one."""
+    if (
+        campaign is None
+        or not isinstance(case, Case)
+        or not certificate.certified
+        or certificate.flight is None
+    ):
+        return None
+
+    def hear(number: int, count: int) -> None:
+        if watch:
+            watch.stage(f"flight {number} of {count}", None)
+
+    return flights(campaign, *campaign.fly(result.plan, certificate.flight, case.scenario, case.model, hear))
 
 
 def _again(case: AnyCase, watch: Watch | None) -> Ledger:

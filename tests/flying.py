@@ -11,7 +11,7 @@ from benchbench.flight.reference import Reference
 from benchbench.flight.rig import Rig
 
 FRAME = table_one().airframe
-RIG = Rig(motor_force=(0, 8), servo_torque=(-2, 2), ball_radius=0.03, ball_mass=0.075, reach=0.022, pull=2.5)
+RIG = Rig(motor_force=(0, 8), servo_torque=(-2, 2), ball_mass=0.075, pull=2.5)
 
 
 def same(**ranges: object) -> Drawn:
@@ -26,5 +26,5 @@ def still(state: Array, target: Array, seconds: float = 1.0) -> Reference:
     hover = np.append(np.full(4, FRAME.total_mass * FRAME.gravity / 4), 0.0)
     return Reference(
         step=0.002, time=time, state=np.tile(state, (n, 1)), inputs=np.tile(hover, (n, 1)), acceleration=np.zeros((n, 3)),
-        target=np.tile(np.append(target, np.zeros(3)), (n, 1)), window=(0.5 * seconds, seconds), travel_time=seconds,
+        target=np.tile(np.append(target, np.zeros(3)), (n, 1)), ball_radius=0.03, reach=0.022, window=(0.5 * seconds, seconds), travel_time=seconds,
     )  # fmt: skip

@@ -13,9 +13,11 @@ from test_plant import ANGLES, body_rates, random_states, rotation
 from benchbench.arrays import Array
 from benchbench.flight.world import Actuators
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
+from benchbench_plugins.worlds.mjcf import Ball
 from benchbench_plugins.worlds.mujoco import Mujoco, compiled, place
 
 mujoco = pytest.importorskip("mujoco", reason="mujoco is not installed")
+BALL = Ball(radius=0.03, mass=0.075, reach=0.022)
 AWAY = np.array([3.0, 3.0, 0.4, 0.0, 0.0, 0.0])
 
 
@@ -27,12 +29,12 @@ def states(q: Array, v: Array) -> Array:
 def test_mass_matrix_and_free_acceleration_are_those_of_our_model() -> None:
     """With mismatch off; B = blkdiag(R, I, 1) turns x of our plant into MuJoCo's velocities."""
     plant = AerialManipulatorPlant(table_one().parameters)
-    model, data = compiled(FRAME, RIG, same())
+    model, data = compiled(FRAME, RIG, BALL, same())
     q, v, u = random_states(50)
     q[:, 2] += 2.0  # clear of the ground
     found, mass = np.zeros((50, 7)), np.zeros((model.nv, model.nv))
     for k, state in enumerate(states(q, v)):
-        place(data, state, AWAY, RIG.ball_radius)
+        place(data, state, AWAY, BALL.radius)
         data.ctrl[:5] = u[k]
         mujoco.mj_forward(model, data)
         mujoco.mj_fullM(model, data, mass)
@@ -41,19 +43,25 @@ def test_mass_matrix_and_free_acceleration_are_those_of_our_model() -> None:
         np.testing.assert_allclose(mass[:7, :7], ours, rtol=0, atol=1e-12)
         found[k] = data.qacc[:7]
     wanted = plant.acceleration(q, v, u)
-    spin = ANGLES.body_rates  # d omega/dt by difference of the Euler rates would lose digits: compare through them
+    spin = (
+        ANGLES.body_rates
+    )  # d omega/dt by difference of the Euler rates would lose digits: compare through them
     wanted[:, 3:6] = _spin(spin, q, v, wanted)
     np.testing.assert_allclose(found, wanted, rtol=1e-8, atol=1e-8)
 
 
 def _spin(rates: object, q: Array, v: Array, a: Array) -> Array:
-    """d omega/dt = E(xi) d2xi/dt2 + dE/dt dxi/dt; dE/dt by a complex step of our own E."""
+    """E(xi) d2xi/dt2 + dE/dt dxi/dt is d omega/dt; dE/dt by a complex step of our own E."""
     out = np.zeros((len(q), 3))
     for k in range(len(q)):
         h = 1e-30j
         (f, t), (df, dt, dp) = q[k, 3:5] + h * v[k, 3:5], v[k, 3:6]
         e = np.array(
-            [[1, 0, -np.sin(t)], [0, np.cos(f), np.sin(f) * np.cos(t)], [0, -np.sin(f), np.cos(f) * np.cos(t)]]
+            [
+                [1, 0, -np.sin(t)],
+                [0, np.cos(f), np.sin(f) * np.cos(t)],
+                [0, -np.sin(f), np.cos(f) * np.cos(t)],
+            ]
         )
         out[k] = e.real @ a[k, 3:6] + e.imag / 1e-30 @ [df, dt, dp]
     return out
@@ -66,7 +74,9 @@ def hanging(clearance: float, height: float = 0.6) -> tuple[Array, Array]:
     return state, np.array([0.0, 0.0, height - FRAME.arm_offset - FRAME.arm_length - clearance])
 
 
-@pytest.mark.parametrize(("clearance", "lifted"), [(0.016, True), (0.021, True), (0.023, False), (0.03, False)])
+@pytest.mark.parametrize(
+    ("clearance", "lifted"), [(0.016, True), (0.021, True), (0.023, False), (0.03, False)]
+)
 def test_magnet_lifts_from_within_its_reach_only(clearance: float, lifted: bool) -> None:
     state, target = hanging(clearance)
     reference = still(state, target)
@@ -87,6 +97,6 @@ def test_ball_rides_on_its_moving_stand() -> None:
     for _ in range(900):
         truth = step(Actuators(reference.inputs[0, :4], (np.pi / 2, 0.0, 0.0)))
     row = reference.row(truth.time)
-    top = truth.ball[:3] + [0, 0, RIG.ball_radius]
+    top = truth.ball[:3] + np.array([0, 0, BALL.radius])
     np.testing.assert_allclose(top, reference.target[row, :3], atol=2e-3)
     np.testing.assert_allclose(truth.ball[3:], reference.target[row, 3:], atol=5e-3)

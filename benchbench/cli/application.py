@@ -20,8 +20,9 @@ from benchbench.errors import BadInput
 from benchbench.run import config, summary
 from benchbench.run.drawing import drawn
 from benchbench.run.execution import BAD_INPUT, CERTIFIED, Ended, Place, execute, failure
+from benchbench.run.flying import flying
 from benchbench.run.hydra_errors import EXPECTED, explained
-from benchbench.run.overrides import carried, implying
+from benchbench.run.overrides import carried
 from benchbench.run.telling import complain
 from benchbench.sweep.combination import Combination
 from benchbench.sweep.pool import run_all
@@ -85,13 +86,13 @@ def _complete(options: Namespace, arguments: Sequence[str]) -> list[str]:
     """Overrides with what they imply; Hydra, where it reads the command line by itself, finds them there too."""
     given: list[str] = options.overrides
     if options.multirun:
-        new = carried(given)
-        by_name = dict(zip(given, new, strict=True))
-        sys.argv[1:] = [by_name.get(a, a) for a in arguments]
+        new = carried([*given, *flying(given)])
+        by_name = dict(zip(given, new, strict=False))
+        sys.argv[1:] = [*(by_name.get(a, a) for a in arguments), *new[len(given) :]]
         return [*new]
-    if not implying(given):
-        return given
     meant = config.meant(given, options.config_dir)
+    if meant == given:
+        return given
     behind = len(sys.argv) - sys.argv[::-1].index(given[-1])  # options may follow the overrides
     sys.argv[behind:behind] = meant[len(given) :]
     return meant

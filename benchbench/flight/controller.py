@@ -36,7 +36,4 @@ class Controller(ABC):
         """Return a step, called every `PERIOD` s with what is sensed and the time now.
 
         It tells the correction of each acceleration it did not expect, and adds to its model what the correction predicts.
-        Raises Unavailable where what it needs is not installed.
         """
-
-

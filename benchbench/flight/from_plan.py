@@ -11,9 +11,9 @@ from benchbench.certificate.replay import Replay
 from benchbench.flight.reference import Reference, matrices
 from benchbench.flight.statics import hover
 from benchbench.flight.world import STEP
-from benchbench.ocp.airframe import Airframe
-from benchbench.ocp.model import Model
-from benchbench.ocp.motion import Motion, sample
+from benchbench.ocp.airframe import Airframe, FlownModel
+from benchbench.ocp.handover import Handover
+from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.storage.flight import flight_of
 
@@ -21,12 +21,12 @@ LEAD, TAIL = 2.0, 1.5
 """s of hovering before the plan, in which an observer settles, and after it, in which the ball must stay."""
 
 
-def reference_of(plan: Plan, replay: Replay, model: Model, airframe: Airframe, target: Motion) -> Reference:
+def reference_of(plan: Plan, replay: Replay, model: FlownModel, scenario: Handover) -> Reference:
     """Return the replay on the world's grid with accelerations of the certificate's plant; contact as the plan claims it.
 
     A replay that starts again from planned states has no jumps here: what it drifts until then is taken off evenly.
     """
-    time = STEP * np.arange(round(plan.travel_time / STEP) + 1)
+    time: Array = STEP * np.arange(round(plan.travel_time / STEP) + 1, dtype=float)
     q, v = _continuous(plan, replay)
     q, v = (_interpolated(time, replay.time, rows) for rows in (q, v))
     u = plan.input_at(np.minimum(time, plan.travel_time))
@@ -39,7 +39,7 @@ def reference_of(plan: Plan, replay: Replay, model: Model, airframe: Airframe, t
         [flight.position, flight.quaternion, arm[:, :1], flight.velocity, flight.body_rates, arm[:, 1:2]]
     )
     inputs, acceleration = np.hstack([flight.thrusts, arm[:, 2:]]), model.plant().acceleration(q, v, u)[:, :3]
-    return _hovering(plan, state, inputs, acceleration, airframe, target)
+    return _hovering(plan, state, inputs, acceleration, model.airframe, scenario)
 
 
 def _continuous(plan: Plan, replay: Replay) -> tuple[Array, Array]:
@@ -61,21 +61,22 @@ def _interpolated(time: Array, at: Array, rows: Array) -> Array:
 
 
 def _hovering(
-    plan: Plan, state: Array, inputs: Array, acceleration: Array, airframe: Airframe, target: Motion
+    plan: Plan, state: Array, inputs: Array, acceleration: Array, airframe: Airframe, scenario: Handover
 ) -> Reference:
     """Put the time before and after the plan at its ends."""
     before, after = round(LEAD / STEP), round(TAIL / STEP)
     ends = (_at_rest(state[0]), _at_rest(state[-1]))
     held = [hover(airframe, float(end[7])) for end in ends]
-    time = STEP * np.arange(-before, len(state) + after)
+    time: Array = STEP * np.arange(-before, len(state) + after, dtype=float)
     first, last = plan.contact() or (0, 0)
-    position, velocity = sample(target, time)
+    (stop,) = scenario.itinerary.stops
+    position, velocity = sample(stop.target, time)
     return Reference(
         step=STEP, time=time,
         state=np.vstack([np.tile(ends[0], (before, 1)), state, np.tile(ends[1], (after, 1))]),
         inputs=np.vstack([np.tile(held[0], (before, 1)), inputs, np.tile(held[1], (after, 1))]),
         acceleration=np.pad(acceleration, ((before, after), (0, 0))),
-        target=np.hstack([position, velocity]),
+        target=np.hstack([position, velocity]), ball_radius=scenario.ball_radius, reach=scenario.magnet_reach,
         window=(float(plan.time[first]), float(plan.time[last])), travel_time=plan.travel_time,
     )  # fmt: skip
 

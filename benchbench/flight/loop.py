@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchbench.arrays import Array
 from benchbench.flight.controller import PERIOD
@@ -36,7 +37,7 @@ class Log:
     time: Array
     state: Array
     ball: Array
-    attached: Array
+    attached: NDArray[np.bool_]
     touched: tuple[str, ...]
     motors: Array
     commanded: Array

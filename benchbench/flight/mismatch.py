@@ -69,7 +69,9 @@ class Mismatch(BaseModel):
             name: np.array([draws.number(f"{name}_{i}", ranges[name]) for i in range(count)])
             for name, count in SEVERAL.items()
         }
-        single = {name: draws.number(name, ranges[name]) for name in ranges if name not in SEVERAL}
+        single: dict[str, Any] = {
+            name: draws.number(name, ranges[name]) for name in ranges if name not in SEVERAL
+        }
         return Drawn(seed=seed, rigid=self.rigid, **numbers, **single)
 
 

@@ -18,6 +18,7 @@ class Reference:
     inputs        (n, 5) motor forces N and servo torque N m
     acceleration  (n, 3) m/s^2 of the body's origin, world
     target        (n, 6) position m and velocity m/s of the target, the top of the ball
+    ball_radius   m, of the ball; reach: m of clearance within which the magnet pulls it
     window        s, start and end of the planned contact
     """
 
@@ -27,6 +28,8 @@ class Reference:
     inputs: Array
     acceleration: Array
     target: Array
+    ball_radius: float
+    reach: float
     window: tuple[float, float]
     travel_time: float
 
@@ -40,14 +43,11 @@ class Reference:
         return min(max(round((time - self.time[0]) / self.step), 0), len(self.time) - 1)
 
 
-
 def tip(state: Array, arm_offset: float, arm_length: float) -> tuple[Array, Array]:
     """Position (n, 3) m and velocity (n, 3) m/s of the end effector for states (n, 15)."""
     arm, rate, omega = state[:, 7], state[:, 14], state[:, 11:14]
     zero = np.zeros(len(state))
-    reach = np.stack(
-        [arm_length * np.cos(arm), zero, -arm_offset - arm_length * np.sin(arm)], axis=-1
-    )
+    reach = np.stack([arm_length * np.cos(arm), zero, -arm_offset - arm_length * np.sin(arm)], axis=-1)
     swing = arm_length * rate[:, None] * np.stack([-np.sin(arm), zero, -np.cos(arm)], axis=-1)
     turn = matrices(state[:, 3:7])
     position = state[:, :3] + np.einsum("nij,nj->ni", turn, reach)

@@ -15,19 +15,15 @@ class Rig(BaseModel):
 
     motor_force   N, what a motor can do; wider than what the planner may use, or nothing is left to the controller
     servo_torque  N m, what the servo can do
-    ball_radius   m; the target point of the scenario is the top of the ball
-    ball_mass     kg
-    reach         m, clearance between end effector and ball below which the permanent magnet pulls
-    pull          N, with which it does
+    ball_mass     kg; the scenario says how large the ball is
+    pull          N, of the permanent magnet within its reach, which the scenario says, too
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     motor_force: Range
     servo_torque: Range
-    ball_radius: Positive
     ball_mass: Positive
-    reach: Positive
     pull: Positive
 
     @model_validator(mode="after")

@@ -56,7 +56,12 @@ class Sensors:
         state[:3] += d[:3]
         w, x, y, z = state[3:7].tolist()
         a, b, c = (d[3:6] / 2).tolist()
-        turned = (w - x * a - y * b - z * c, x + w * a + y * c - z * b, y + w * b + z * a - x * c, z + w * c + x * b - y * a)
+        turned = (
+            w - x * a - y * b - z * c,
+            x + w * a + y * c - z * b,
+            y + w * b + z * a - x * c,
+            z + w * c + x * b - y * a,
+        )
         state[3:7] = np.array(turned) / np.linalg.norm(turned)
         state[7:] += d[6:]
         return state

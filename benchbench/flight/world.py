@@ -55,6 +55,5 @@ class World(ABC):
     ) -> Callable[[Actuators], Truth]:
         """Return a step: a world at rest at the reference's first state, which `STEP` s later tells what is.
 
-        The ball lies on a stand that carries it along the reference's target. Raises Unavailable where what it is made of is
-        not installed.
+        The ball lies on a stand that carries it along the reference's target.
         """

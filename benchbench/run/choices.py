@@ -14,12 +14,16 @@ from benchbench.errors import BadInput
 GROUPS = {
     "dynamics": "dynamics", "relaxations": "relaxation", "solvers": "solver", "strategies": "strategy",
     "guesses": "guess", "peers": "peer", "contacts": "scenario/contact", "motions": "scenario/motion",
+    "worlds": "world", "controllers": "controller", "autopilots": "autopilot", "residuals": "residual",
+    "payloads": "payload",
 }  # fmt: skip
 """Where the choices of a family of plugins are. Vehicles and scenarios are numbers, so that theirs are always YAML."""
 FAMILIES = (
     "scenario", "vehicle", "dynamics", "relaxation", "solver", "strategy", "guess", "certificate",
 )  # fmt: skip
 """What a run chooses from, in the order of the help."""
+FLYING = ("world", "controller", "autopilot", "residual", "payload", "mismatch", "rig")
+"""What flights choose from besides."""
 PARTS = ("handover", "hardware")
 """YAML files that others build on; nothing to choose by itself."""
 

@@ -24,7 +24,7 @@ from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case, Guess, ReadyCase, Strategy
 from benchbench.planning.task_hash import task_hash
-from benchbench.run import settings, trust
+from benchbench.run import flying, settings, trust
 from benchbench.run.choices import PARTS
 from benchbench.run.choices import folder as place
 from benchbench.run.drawing import drawn
@@ -44,7 +44,7 @@ FLIGHT = ("vehicle", "dynamics", "guess")
 NUMBERS = {"seed": (int, 0, 2**63 - 1), "time_limit": (float, 1e-3, 1e7), "iteration_limit": (int, 1, 10**9)}
 """Numbers of a run with their type, smallest and largest value."""
 WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
-FIELDS = (*KINDS, "peer", *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
+FIELDS = (*KINDS, "peer", *flying.FIELDS, *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
 
 
 def folder() -> str:
@@ -104,8 +104,9 @@ def composed(*overrides: str, stored: bool = False) -> tuple[DictConfig, dict[st
 
 def meant(overrides: Sequence[str], more: str | None = None) -> list[str]:
     """Return overrides of one run with what they imply; `more` is the user's own folder. Raises what Hydra does."""
+    overrides = [*overrides, *flying.flying(overrides)]
     if not implying(overrides):  # composing takes longer than all else here
-        return [*overrides]
+        return overrides
     if not GlobalHydra.instance().is_initialized():
         with hydra.initialize_config_dir(folder(), version_base="1.3"):
             return meant(overrides, more)

@@ -21,7 +21,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from benchbench import pipeline
 from benchbench.errors import BadInput, BenchBenchError, Crash, NoPlan, OutOfMemory, Pruned, Timeout
-from benchbench.run import config, memory, settings
+from benchbench.run import config, flying, memory, settings
 from benchbench.run.failure import cut, failed, reason
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.progress import LiveLine
@@ -197,10 +197,12 @@ def _give_row(place: Place) -> None:
 def config_hash(cfg: DictConfig) -> str:
     """Hash of everything that decides the result of a run.
 
-    That is the composed configuration without `settings.NOT_DECISIVE`, and the content of the files that it names.
+    That is the composed configuration without `settings.NOT_DECISIVE`, and the content of the files that it names; what flights
+    are about plays no part where there are none.
     """
     resolved = OmegaConf.to_container(cfg, resolve=True)
     decisive = {str(k): v for k, v in resolved.items() if k not in settings.NOT_DECISIVE}  # type: ignore[union-attr]
+    decisive = flying.decisive(decisive)
     text = OmegaConf.to_yaml(OmegaConf.create(decisive), sort_keys=True)
     return hashlib.sha256("".join([text, *contents(decisive)]).encode()).hexdigest()[:16]
 
@@ -226,14 +228,14 @@ def _complaint(error: BaseException, told: BaseException) -> Complaint:
 
 
 def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
-    case = config.build(cfg, place.chosen)
+    case, asked = config.build(cfg, place.chosen), flying.campaign(cfg, place.chosen)
     how = settings.Settings.of(cfg)
     _check_writable(place.root)
     known = BestKnown.load(packaged(), *place.references)
     told = instantiate(cfg.on_step) if cfg.get("on_step") else None
     alone = contextlib.nullcontext() if place.sweep else alone_in(place.folder, place.root)
     with alone, LiveLine(told) as line:
-        done = pipeline.run(case, line, place.labels, how.repeats, known)
+        done = pipeline.run(case, line, place.labels, how.repeats, known, asked)
         line.stage("files", None)
         return done, pipeline.write(done, place.folder, place.root, written(cfg), how.draws(place.sweep))
 

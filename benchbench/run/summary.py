@@ -71,6 +71,7 @@ def lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         (str(r["scenario"]), f"{choices}\n{_size(r)}"),
         ("verdict", _verdict(r)),
         *(_flight(r) if flies(r) else _solution(r)),
+        *_flown(r),
         ("effort", f"{r['iterations']} iterations; CPU build {build}, solve {solve}, check {check}"),
     ]
 
@@ -121,6 +122,29 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     if r["certified"] and r["limits_used_said"]:
         lines.append(("limits used", "\n".join(r["limits_used_said"][:REASONS])))
     return lines
+
+
+def _flown(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
+    """How the plan fared in closed loop."""
+    if r["flights"] is None:
+        return []
+    proved = f"at least {100 * r['flights_low_exact']:.1f} % proved at 95 %, Wilson {100 * r['flights_low']:.0f} to {100 * r['flights_high']:.0f} %"
+    how = " / ".join(
+        str(r[name])
+        for name in ("world", "controller", "autopilot", "residual", "payload", "mismatch", "rig")
+    )
+    failures = sorted((r["flight_reasons"] or {}).items(), key=lambda item: (-item[1], item[0]))
+    said = [
+        f"{r['flights_succeeded']} of {r['flights']} succeed: {proved}",
+        *([", ".join(f"{name}: {count:g}" for name, count in failures)] if failures else []),
+        f"{how}",
+        f"tracking {_scaled(r['flight_error_before_m'], 1e3, 'mm') or '-'} before, "
+        f"{_scaled(r['flight_error_after_m'], 1e3, 'mm') or '-'} after the ball is taken; "
+        f"touch {_scaled(r['flight_touch_p50_mps'], 1, 'm/s') or '-'}, p95 {_scaled(r['flight_touch_p95_mps'], 1, 'm/s') or '-'}",
+        f"controller CPU p50 {_scaled(r['controller_cpu_p50_s'], 1e3, 'ms') or '-'}, p99 "
+        f"{_scaled(r['controller_cpu_p99_s'], 1e3, 'ms') or '-'}; {_scaled(r['real_time_factor'], 1, 'times real time') or '-'}",
+    ]
+    return [("flights", "\n".join(said))]
 
 
 def _nearest(r: Mapping[str, Any]) -> str:

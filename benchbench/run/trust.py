@@ -16,8 +16,10 @@ from pydantic import BaseModel
 from benchbench import registry
 from benchbench.errors import BadInput
 
-LIMITS = "benchbench.certificate.limits"
-"""The module of what our own YAML names beside plugins."""
+VALUES = (
+    "benchbench.certificate.limits", "benchbench.flight.limits", "benchbench.flight.mismatch", "benchbench.flight.rig",
+)  # fmt: skip
+"""The modules of what our own YAML names beside plugins."""
 SPECIAL = ("_args_", "_partial_", "_recursive_")
 """Further keys that change what Hydra makes of a node."""
 
@@ -62,7 +64,7 @@ def _installed(target: str, families: Collection[str]) -> bool:
     registered = registry.targets(families)
     if target in {entry.replace(":", ".") for entry in registered}:
         return True
-    modules = {entry.partition(":")[0] for entry in registered} | {LIMITS}
+    modules = {entry.partition(":")[0] for entry in registered} | {*VALUES}
     module, _, name = target.rpartition(".")
     if not any(own == module or own.startswith(f"{module}.") for own in modules if module):
         return False

@@ -12,11 +12,13 @@ from omegaconf import DictConfig
 
 from benchbench import pipeline
 from benchbench.errors import BadInput
+from benchbench.flight.campaign import Campaign
 from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.planning.case import Case, ReadyCase
 from benchbench.planning.given import Given
 from benchbench.run import config
 from benchbench.run.execution import config_hash, written
+from benchbench.run.flying import campaign
 from benchbench.run.overrides import quoted
 from benchbench.run.progress import LiveLine
 from benchbench.run.settings import Settings
@@ -39,7 +41,7 @@ def plan(*overrides: str) -> RunView:
     Raises what the program shows: BadInput, IncompatibleCase, Unavailable, NoPlan.
     """
     cfg, chosen = config.composed(*overrides)
-    return _run(config.build(cfg, chosen), cfg)
+    return _run(config.build(cfg, chosen), cfg, campaign(cfg, chosen))
 
 
 def certify(
@@ -67,10 +69,10 @@ def certify(
     cfg, chosen = config.composed(*asked)
     case = config.build(cfg, chosen)
     if isinstance(plan, (str, Path)):
-        return _run(case, cfg)
+        return _run(case, cfg, campaign(cfg, chosen))
     if not isinstance(case, Case):
         raise BadInput("scenario", f"'{case.names['scenario']}' is no flight", "a flight")
-    return _run(replace(case, strategy=Given(_plan(plan, case), name)), cfg)
+    return _run(replace(case, strategy=Given(_plan(plan, case), name)), cfg, campaign(cfg, chosen))
 
 
 def load(folder: Path | str) -> RunView:
@@ -112,7 +114,7 @@ def runs(*folders: Path | str) -> pd.DataFrame:
     return frame(found.rows).assign(folder=places)
 
 
-def _run(case: Case | ReadyCase, cfg: DictConfig) -> RunView:
+def _run(case: Case | ReadyCase, cfg: DictConfig, flights: Campaign | None) -> RunView:
     for name in OWN_PROCESS:
         if cfg.get(name) is not None:
             raise BadInput(
@@ -122,7 +124,7 @@ def _run(case: Case | ReadyCase, cfg: DictConfig) -> RunView:
     labels = {"run_id": f"python_{datetime.now():%Y-%m-%d_%H-%M-%S-%f}", "config_hash": config_hash(cfg)}
     text, how = written(cfg), Settings.of(cfg)
     with LiveLine() as line:
-        done = pipeline.run(case, line, labels, how.repeats, known)
+        done = pipeline.run(case, line, labels, how.repeats, known, flights)
     return RunView(done.record, text, Live(done, text, how.draws(sweep=False)))
 
 

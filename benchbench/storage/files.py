@@ -15,12 +15,13 @@ from typing import Any
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
 
-RECORD, PLAN, SOLUTION, PICTURE, CONFIG = (
+RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS = (
     "record.json",
     "plan.mcap",
     "solution.json",
     "plan.png",
     "config.yaml",
+    "flights.csv",
 )
 TEMPORARY_SUFFIX = ".tmp"
 DEPTH, LONGEST = 4, 150
@@ -81,7 +82,7 @@ def vacate(folder: Path) -> None:
     """
     if folder.is_symlink() or folder.is_file():
         _remove(folder)
-    for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG):
+    for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS):
         _remove(folder / name)
 
 

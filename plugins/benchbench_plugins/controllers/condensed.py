@@ -8,7 +8,6 @@ from typing import Any, final
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.errors import Unavailable
 from benchbench_plugins.controllers.prediction import INPUTS, STATES, Prediction
 
 ERRORS = 9
@@ -34,12 +33,12 @@ class Weights:
 class Condensed:
     """min sum |S (x_k - x_ref)|^2 + |u - u_ref|^2_R over du, x+ = A x + B u along the predicted states."""
 
-    def __init__(self, prediction: Prediction, weights: Weights, low: Array, high: Array, speed: Array | None) -> None:
+    def __init__(
+        self, prediction: Prediction, weights: Weights, low: Array, high: Array, speed: Array | None
+    ) -> None:
         """low, high: (4,) bounds of u; speed: (3,) m/s largest speed per axis, softly, None for no such rows."""
-        try:
-            import daqp
-        except ImportError:
-            raise Unavailable("controllers: daqp is not installed; pip install 'benchbench[flight]'") from None
+        import daqp
+
         self.solve_qp, self.prediction, self.stages = daqp.solve, prediction, len(prediction.inputs)
         w, n = weights, self.stages
         self.scale = np.sqrt([w.position] * 3 + [w.attitude] * 3 + [w.velocity] * 3)
@@ -48,7 +47,9 @@ class Condensed:
         self.effect = np.zeros((n, STATES, INPUTS * n))
         self.errors = np.zeros((n, ERRORS, INPUTS * n))
         size = INPUTS * n
-        self.kinds = np.concatenate([np.zeros(size, np.int32), np.full(0 if speed is None else 3 * n, SOFT, np.int32)])
+        self.kinds = np.concatenate(
+            [np.zeros(size, np.int32), np.full(0 if speed is None else 3 * n, SOFT, np.int32)]
+        )
 
     def solve(self, state: Array, inputs: Array, error: Array) -> Array:
         """Return inputs (stages, 4) for references of the stages' ends: state (stages, 10), inputs (stages, 4), error (stages, 3, 4)."""

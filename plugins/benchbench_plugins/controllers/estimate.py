@@ -28,7 +28,11 @@ class Estimate:
     def __init__(self, table: Tables, known: Known, correction: Correction, weighing: Weighing) -> None:
         """Remember nothing yet."""
         self.table, self.correction, self.weighing = table, correction, weighing
-        self.mass, self.gravity, self.grid = known.airframe.total_mass, known.airframe.gravity, known.reference.step
+        self.mass, self.gravity, self.grid = (
+            known.airframe.total_mass,
+            known.airframe.gravity,
+            known.reference.step,
+        )
         self.last: Sensed | None = None
         self.commands: deque[tuple[Command, float]] = deque(maxlen=KEPT)
         self.payload, self.constant = 0.0, np.zeros(3)

@@ -9,6 +9,7 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.flight.controller import Controller, Known
+from benchbench.flight.extra import need
 from benchbench.flight.payload import Weighing
 from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
@@ -34,7 +35,8 @@ class Nmpc(Controller):
         velocity: float = 5.0, rates: float = 1.0, thrust: float = 0.1, rate_limit: tuple[float, ...] = (6.0, 6.0, 3.0),
         soft_speed: float = 0.1,
     ) -> None:  # fmt: skip
-        """Keep the numbers."""
+        """Keep the numbers. Raises Unavailable without daqp."""
+        need("daqp", "controller=nmpc")
         self.stages, self.step, self.rate_limit, self.soft_speed = stages, step, rate_limit, soft_speed
         self.weights = Weights(position, attitude, velocity, rates, thrust)
 

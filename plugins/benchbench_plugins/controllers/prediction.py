@@ -31,7 +31,12 @@ def stage(gravity: float, step: float) -> ca.Function:
 def _slope(x: ca.SX, u: ca.SX, gravity: float) -> ca.SX:
     w, i, j, k = ca.vertsplit(x[3:7])
     a, b, c, push = ca.vertsplit(u)
-    turn = ca.vertcat(-i * a - j * b - k * c, w * a + j * c - k * b, w * b + k * a - i * c, w * c + i * b - j * a) / 2
+    turn = (
+        ca.vertcat(
+            -i * a - j * b - k * c, w * a + j * c - k * b, w * b + k * a - i * c, w * c + i * b - j * a
+        )
+        / 2
+    )
     up = ca.vertcat(2 * (i * k + w * j), 2 * (j * k - w * i), 1 - 2 * (i * i + j * j))
     return ca.vertcat(x[7:], turn, up * push - ca.vertcat(0, 0, gravity))
 
@@ -43,15 +48,22 @@ class Prediction:
     def __init__(self, gravity: float, step: float, stages: int) -> None:
         """Build the function once."""
         chain = stage(gravity, step).mapaccum("prediction", stages)
-        self.first, self.inputs, self.offsets = np.zeros(STATES), np.zeros((stages, INPUTS)), np.zeros((stages, STATES))
+        self.first, self.inputs, self.offsets = (
+            np.zeros(STATES),
+            np.zeros((stages, INPUTS)),
+            np.zeros((stages, STATES)),
+        )
         self.after = np.zeros((stages, STATES))
-        self._by_state, self._by_input = np.zeros((stages, STATES, STATES)), np.zeros((stages, INPUTS, STATES))
+        self._by_state, self._by_input = (
+            np.zeros((stages, STATES, STATES)),
+            np.zeros((stages, INPUTS, STATES)),
+        )
         self.by_state, self.by_input = self._by_state.transpose(0, 2, 1), self._by_input.transpose(0, 2, 1)
         self._buffer, self._run = chain.buffer()
         for i, array in enumerate((self.first, self.inputs, self.offsets)):
-            self._buffer.set_arg(i, memoryview(array))
+            self._buffer.set_arg(i, memoryview(array))  # type: ignore[call-arg, arg-type]
         for i, array in enumerate((self.after, self._by_state, self._by_input)):
-            self._buffer.set_res(i, memoryview(array))
+            self._buffer.set_res(i, memoryview(array))  # type: ignore[call-arg, arg-type]
 
     def run(self, first: Array, inputs: Array, offsets: Array) -> None:
         """Predict from `first` (10,) with inputs (stages, 4) and offsets (stages, 10): fills after, by_state, by_input."""

@@ -32,7 +32,7 @@ class Telling:
         mass = self.frame.total_mass
         thrust = (wrench[0] / mass + change[3]) * (mass + payload)
         held, empty = (arm_moment(self.frame, float(state[7]), kg) for kg in (payload, 0.0))
-        torque = wrench[1:] + [0.0, held[1] - empty[1], 0.0]
+        torque = wrench[1:] + np.array([0.0, held[1] - empty[1], 0.0])
         servo = float(r.inputs[row : row + self.span, 4].mean()) + held[0] - empty[0]
         rate = (after[7] - state[7]) / PERIOD
         return Command(

@@ -7,11 +7,23 @@ acts; `margin` stays 0, since it would let contact forces push at that distance.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.flight.rig import Rig
 from benchbench.ocp.airframe import Airframe
+
+
+@dataclass(frozen=True)
+class Ball:
+    """radius m, mass kg, reach of the magnet m."""
+
+    radius: float
+    mass: float
+    reach: float
+
 
 TIP = 0.002
 """m, radius of the magnet's face about the end effector."""
@@ -23,15 +35,11 @@ CUP = 8
 """Small spheres that the ball lies on."""
 
 
-def mjcf(airframe: Airframe, rig: Rig, step: float, ball_mass: float) -> str:
+def mjcf(airframe: Airframe, rig: Rig, ball: Ball, step: float) -> str:
     """Return the model as XML; masses and inertias of the vehicle are placeholders, which the world replaces."""
-    a, lower = airframe, rig.ball_radius
-    motors = "".join(
-        f'<site name="m{i}" pos="{_text(place)}"/>' for i, place in enumerate(a.rotors)
-    )
-    gears = "".join(
-        f'<general site="m{i}" gear="0 0 1 0 0 {drag:.17g}"/>' for i, drag in enumerate(a.drag)
-    )
+    a, lower = airframe, ball.radius
+    motors = "".join(f'<site name="m{i}" pos="{_text(place)}"/>' for i, place in enumerate(a.rotors))
+    gears = "".join(f'<general site="m{i}" gear="0 0 1 0 0 {drag:.17g}"/>' for i, drag in enumerate(a.drag))
     arms = "".join(
         f'<geom type="capsule" size=".012" fromto="0 0 0 {_text(place)}" contype="4" conaffinity="8"/>'
         for place in a.rotors
@@ -47,14 +55,14 @@ def mjcf(airframe: Airframe, rig: Rig, step: float, ball_mass: float) -> str:
   <inertial pos="{a.arm_length / 2} 0 0" mass="1" diaginertia="1 1 1"/>
   <geom type="capsule" size=".006" fromto="0 0 0 {a.arm_length - LINK} 0 0" contype="4" conaffinity="0"/>
   <body name="magnet" pos="{a.arm_length} 0 0">
-   <geom name="magnet" type="sphere" size="{TIP}" contype="0" conaffinity="2" gap="{rig.reach - TIP}"
+   <geom name="magnet" type="sphere" size="{TIP}" contype="0" conaffinity="2" gap="{ball.reach - TIP}"
     condim="6" friction="1 .02 .01" priority="1"/></body></body></body>
 <body name="stand" gravcomp="1"><inertial pos="0 0 0" mass="{STAND}" diaginertia="1 1 1"/>
  <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/><joint type="slide" axis="0 0 1"/>
  {_cup(lower)}
  <geom type="cylinder" size=".015 .1" pos="0 0 {-lower - 0.12}" contype="0" conaffinity="4"/></body>
-<body name="ball"><freejoint/><inertial pos="0 0 0" mass="{ball_mass}"
- diaginertia="{_text(np.full(3, 0.4 * ball_mass * lower**2))}"/>
+<body name="ball"><freejoint/><inertial pos="0 0 0" mass="{ball.mass}"
+ diaginertia="{_text(np.full(3, 0.4 * ball.mass * lower**2))}"/>
  <geom name="ball" type="sphere" size="{lower}" contype="11" conaffinity="0"/></body>
 </worldbody>
 <actuator>{gears}<general joint="arm"/><adhesion body="magnet" ctrlrange="0 1" gain="{rig.pull}"/></actuator>

@@ -9,14 +9,14 @@ from typing import Any, final
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.errors import Unavailable
+from benchbench.flight.extra import need
 from benchbench.flight.inertia import rigid
 from benchbench.flight.mismatch import Drawn
 from benchbench.flight.reference import Reference
 from benchbench.flight.rig import Rig
 from benchbench.flight.world import STEP, Actuators, Truth, World
 from benchbench.ocp.airframe import Airframe
-from benchbench_plugins.worlds.mjcf import TIP, mjcf
+from benchbench_plugins.worlds.mjcf import TIP, Ball, mjcf
 from benchbench_plugins.worlds.surroundings import Surroundings
 
 TOUCHING = 5e-4
@@ -33,27 +33,25 @@ class Mujoco(World):
     """
 
     def __init__(self, servo_stiffness: float = 6.0, servo_damping: float = 0.3) -> None:
-        """Keep the gains of the servo."""
+        """Keep the gains of the servo. Raises Unavailable without MuJoCo."""
+        need("mujoco", "world=mujoco")
         self.servo = (servo_stiffness, servo_damping)
 
     def prepare(
         self, reference: Reference, airframe: Airframe, rig: Rig, mismatch: Drawn
     ) -> Callable[[Actuators], Truth]:
-        """Compile the model, put in the masses of this flight, and place everything; raises Unavailable."""
-        model, data = compiled(airframe, rig, mismatch)
-        place(data, reference.state[0], reference.target[0], rig.ball_radius)
+        """Compile the model, put in the masses of this flight, and place everything."""
+        ball = Ball(reference.ball_radius, rig.ball_mass * (1 + mismatch.ball_mass), reference.reach)
+        model, data = compiled(airframe, rig, ball, mismatch)
+        place(data, reference.state[0], reference.target[0], ball.radius)
         return _Running(model, data, reference, airframe, rig, mismatch, self.servo).step
 
 
-def compiled(airframe: Airframe, rig: Rig, mismatch: Drawn) -> tuple[Any, Any]:
-    """Return MuJoCo's model and data with this flight's masses. Raises Unavailable without MuJoCo."""
-    try:
-        import mujoco
-    except ImportError:
-        raise Unavailable("worlds: mujoco is not installed; pip install 'benchbench[flight]'") from None
-    model = mujoco.MjModel.from_xml_string(
-        mjcf(airframe, rig, STEP, rig.ball_mass * (1 + mismatch.ball_mass))
-    )
+def compiled(airframe: Airframe, rig: Rig, ball: Ball, mismatch: Drawn) -> tuple[Any, Any]:
+    """Return MuJoCo's model and data with this flight's masses."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_string(mjcf(airframe, rig, ball, STEP))
     vehicle, arm = model.body("vehicle").id, model.body("arm").id
     real = rigid if mismatch.rigid else np.asarray
     model.body_mass[vehicle] = airframe.mass * (1 + mismatch.mass)
@@ -90,7 +88,8 @@ class _Running:
         self.count, self.start, self.rig, self.mismatch = 0, float(reference.time[0]), rig, mismatch
         late = round(mismatch.target_late / reference.step)
         rows = np.clip(np.arange(len(reference.time)) - late, 0, None)
-        self.target = reference.target[rows] - [0, 0, rig.ball_radius, 0, 0, 0]
+        self.target = reference.target[rows] - [0, 0, reference.ball_radius, 0, 0, 0]
+        self.held = reference.ball_radius + TIP + TOUCHING
         self.surroundings = Surroundings(mismatch, reference.window[0])
         self.motors = reference.inputs[0, :4].copy()
         self.gain = (1 + mismatch.thrust) * (1 + mismatch.motor)
@@ -125,7 +124,7 @@ class _Running:
     def _attached(self) -> bool:
         tip, centre = self.tip, self.centre
         distance = math.dist((tip[0], tip[1], tip[2]), (centre[0], centre[1], centre[2]))
-        return distance < self.rig.ball_radius + TIP + TOUCHING
+        return distance < self.held
 
     def _touched(self) -> str:
         """Names of what the vehicle touches beside the ball at its magnet."""

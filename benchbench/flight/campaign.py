@@ -1,0 +1,125 @@
+"""Many flights of one plan: each with its own draw of the mismatch, judged one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from benchbench.certificate.replay import Replay
+from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.flight.autopilot import Autopilot
+from benchbench.flight.controller import Controller, Known
+from benchbench.flight.from_plan import reference_of
+from benchbench.flight.judge import Verdict, judge
+from benchbench.flight.limits import FlightLimits
+from benchbench.flight.loop import Log, fly
+from benchbench.flight.mismatch import Drawn, Mismatch
+from benchbench.flight.payload import Payload
+from benchbench.flight.reference import Reference
+from benchbench.flight.residual import Correction, Recorder, Residual
+from benchbench.flight.rig import Rig
+from benchbench.flight.sensors import Sensors
+from benchbench.flight.training import training_reference
+from benchbench.flight.world import World
+from benchbench.ocp.airframe import Airframe, FlownModel
+from benchbench.ocp.handover import Handover
+from benchbench.ocp.model import Model
+from benchbench.ocp.plan import Plan
+from benchbench.ocp.scenario import Scenario
+
+PER_SEED = 1_000_000
+"""Flights that one seed of a run has; another seed has others."""
+TRAINING = 1
+"""Noise of training flights is not that of the flight."""
+
+
+@dataclass(frozen=True)
+class Flown:
+    """One flight: which, in what world, what happened, and the judgement."""
+
+    number: int
+    mismatch: Drawn
+    log: Log
+    verdict: Verdict
+    learning_cpu: float = 0.0
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """Everything that decides how a plan is flown: one choice from every family, and how often."""
+
+    count: int
+    seed: int
+    world: World
+    controller: Controller
+    autopilot: Autopilot
+    residual: Residual
+    payload: Payload
+    mismatch: Mismatch
+    rig: Rig
+    limits: FlightLimits
+    names: Mapping[str, str]
+
+    def check(self, scenario: object, model: object) -> None:
+        """Raise BadInput, or IncompatibleCase, for what cannot be flown."""
+        if not isinstance(scenario, Handover) or len(scenario.itinerary.stops) != 1:
+            allowed = "a handover with one target, or flights=0"
+            raise IncompatibleCase("flights", f"'{_name(scenario)}' is no handover with one target", allowed)
+        if not isinstance(model, FlownModel):
+            problem = f"no world can be made of '{_name(model)}'"
+            raise IncompatibleCase("vehicle", problem, "table1, table2, or flights=0")
+        _check_motors(self.rig, model.airframe)
+        nearest = min((c.limit for n, c in scenario.contacts.items() if n == "position"), default=0.0)
+        if scenario.magnet_reach < nearest:
+            problem = f"{scenario.magnet_reach:g} m is less than the plan's contact may be away"
+            raise BadInput("scenario.magnet_reach", problem, f"at least {nearest:g} m")
+
+    def fly(
+        self, plan: Plan, replay: Replay, scenario: Scenario, model: Model, hear: Callable[[int, int], None] | None = None
+    ) -> tuple[Reference, list[Flown]]:  # fmt: skip
+        """Fly a certified plan `count` times; hear: told of each flight that begins, and of how many there are."""
+        assert isinstance(scenario, Handover) and isinstance(model, FlownModel)
+        reference = reference_of(plan, replay, model, scenario)
+        flown = []
+        for number in range(self.count):
+            if hear:
+                hear(number + 1, self.count)
+            flown.append(self.once(reference, model.airframe, number))
+        return reference, flown
+
+    def once(self, reference: Reference, airframe: Airframe, number: int) -> Flown:
+        """Fly a reference once, in the world of this number."""
+        mismatch = self.mismatch.draw(self.seed * PER_SEED + number)
+        known = Known(reference, airframe, self.rig)
+        samples, spent = [], 0.0
+        if self.residual.training > 0:
+            recorder = Recorder()
+            wander = training_reference(reference, airframe, self.residual.training, mismatch.seed)
+            spent = self._run(Known(wander, airframe, self.rig), mismatch, recorder, TRAINING).cpu
+            samples = [recorder.samples]
+        log = self._run(known, mismatch, self.residual.learn(samples)(), 0)
+        return Flown(number, mismatch, log, judge(log, reference, airframe, self.limits), spent)
+
+    def _run(self, known: Known, mismatch: Drawn, correction: Correction, salt: int) -> Log:
+        reference, frame = known.reference, known.airframe
+        weighing = self.payload.prepare(self.rig, frame.total_mass)
+        return fly(
+            reference,
+            self.world.prepare(reference, frame, self.rig, mismatch),
+            self.controller.prepare(known, correction, weighing),
+            self.autopilot.prepare(known),
+            Sensors(mismatch, reference.window[0], salt),
+        )
+
+
+def _check_motors(rig: Rig, airframe: Airframe) -> None:
+    """A world whose motors can do less than the plan asks leaves the controller nothing."""
+    for field in ("motor_force", "servo_torque"):
+        (low, high), planned = getattr(rig, field), getattr(airframe, field)
+        if low > planned[0] or high < planned[1]:
+            problem = f"[{low:g}, {high:g}] is inside what the planner may use"
+            raise BadInput(f"rig.{field}", problem, f"limits around [{planned[0]:g}, {planned[1]:g}]")
+
+
+def _name(thing: object) -> str:
+    return str(getattr(thing, "name", type(thing).__name__))

@@ -1,0 +1,95 @@
+"""Training flights: a smooth wandering near the task, from which residual models learn."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from benchbench.arrays import Array
+from benchbench.flight.reference import Reference
+from benchbench.flight.statics import arm_moment, mixer
+from benchbench.ocp.airframe import Airframe
+from benchbench.ocp.task_family import Draws
+
+WAVES = 4
+"""Sines of which each motion is made."""
+SPEED = 0.7
+"""Share of the speed limits that the wandering reaches at most."""
+AWAY = 10.0
+"""m, so far the ball is put aside."""
+
+
+def training_reference(reference: Reference, airframe: Airframe, seconds: float, seed: int) -> Reference:
+    """Return a wandering of so many seconds about the middle of a reference, level heading, arm within what it uses.
+
+    Positions and arm are sums of sines of random periods from 2 to 6 s that begin at rest; the ball is far away.
+    """
+    step, lead = reference.step, reference.lead
+    time: Array = step * np.arange(-round(lead / step), round(seconds / step) + 1, dtype=float)
+    draws = Draws("training", seed)
+    start = reference.state[0].copy()
+    speed = SPEED * np.array(airframe.speed)
+    waves = [_wave(draws, axis, time, float(speed[i])) for i, axis in enumerate(("x", "y", "z"))]
+    arms = reference.state[:, 7]
+    spread = float(max(arms.max() - arms.min(), 0.2)) / 2
+    swing = _wave(draws, "arm", time, spread * 2)
+    state = np.tile(start, (len(time), 1))
+    acceleration = np.zeros((len(time), 3))
+    for i, (way, rate, push) in enumerate(waves):
+        state[:, i] += way
+        state[:, 8 + i] = rate
+        acceleration[:, i] = push
+    state[:, 2] = np.maximum(state[:, 2] + 0.5, 0.8)
+    state[:, 7] += swing[0]
+    state[:, 14] = swing[1]
+    state[:, 3:7], state[:, 11:14] = _leaning(acceleration, airframe.gravity, step)
+    inputs = _inputs(state, acceleration, airframe)
+    target = np.tile([AWAY, AWAY, 0.4, 0.0, 0.0, 0.0], (len(time), 1))
+    return replace(
+        reference, time=time, state=state, inputs=inputs, acceleration=acceleration, target=target,
+        window=(seconds + 1.0, seconds + 1.0), travel_time=seconds,
+    )  # fmt: skip
+
+
+def _wave(draws: Draws, name: str, time: Array, most: float) -> tuple[Array, Array, Array]:
+    """Value, rate and change of the rate of a sum of sines that is at rest until 0 and grows within a second."""
+    begun = np.clip(time, 0.0, None)
+    value = np.zeros(len(time))
+    for k in range(WAVES):
+        period, phase = (
+            draws.number(f"{name}_period_{k}", (2.0, 6.0)),
+            draws.number(f"{name}_phase_{k}", (0.0, 6.28)),
+        )
+        amplitude = most / WAVES * period / (2 * np.pi)
+        value += amplitude * (np.sin(2 * np.pi * begun / period + phase) - np.sin(phase))
+    share = np.clip(begun, 0.0, 1.0)
+    value *= share**3 * (10 - 15 * share + 6 * share**2)
+    step = float(time[1] - time[0])
+    rate = np.gradient(value, step)
+    return value, rate, np.gradient(rate, step)
+
+
+def _leaning(acceleration: Array, gravity: float, step: float) -> tuple[Array, Array]:
+    """Quaternions (n, 4), and body rates (n, 3), whose z axis is along the thrust, nose to x."""
+    up = acceleration + np.array([0.0, 0.0, gravity])
+    up = up / np.linalg.norm(up, axis=1, keepdims=True)
+    half = np.stack(
+        [1 + up[:, 2], -up[:, 1], up[:, 0], np.zeros(len(up))], axis=-1
+    )  # from z to up, the short way
+    q = half / np.linalg.norm(half, axis=1, keepdims=True)
+    change = np.gradient(q, step, axis=0)
+    w, x, y, z = q.T
+    conjugate = np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
+    return q, 2 * np.einsum("ijn,nj->ni", conjugate, change)
+
+
+def _inputs(state: Array, acceleration: Array, airframe: Airframe) -> Array:
+    """Motor forces and servo torque that hold, and push along the thrust; moments of motion are left to the loops."""
+    thrust = airframe.total_mass * np.linalg.norm(
+        acceleration + np.array([0.0, 0.0, airframe.gravity]), axis=1
+    )
+    held = np.array([arm_moment(airframe, float(arm)) for arm in state[:, 7]])
+    none = np.zeros(len(state))
+    motors = np.linalg.solve(mixer(airframe), np.stack([thrust, none, held[:, 1], none])).T
+    return np.hstack([motors, held[:, :1]])

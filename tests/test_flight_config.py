@@ -1,0 +1,80 @@
+"""How flights are asked for, and every mistake in doing so, as one message before anything is planned."""
+
+from __future__ import annotations
+
+import pytest
+
+from benchbench.errors import BadInput, BenchBenchError
+from benchbench.run import config
+from benchbench.run.execution import config_hash
+from benchbench.run.flying import DEFAULTS, campaign, flying
+
+
+def asked(*overrides: str) -> object:
+    cfg, chosen = config.composed("+scenario=circle", *overrides)
+    found = campaign(cfg, chosen)
+    if found:
+        case = config.build(cfg, chosen)
+        found.check(getattr(case, "scenario", None), getattr(case, "model", None))
+    return found
+
+
+def test_who_chooses_how_to_fly_means_one_flight_and_the_other_choices() -> None:
+    assert flying(["+scenario=circle", "solver=ipopt"]) == []
+    assert flying(["flights=0"]) == []
+    cfg, chosen = config.composed("+scenario=circle", "mismatch=windy", "rig.ball_mass=0.1")
+    assert (cfg.flights, cfg.rig.ball_mass) == (1, 0.1)
+    names = {**DEFAULTS, "mismatch": "windy"}
+    found = campaign(cfg, chosen)
+    assert found is not None and found.names == names and found.count == 1
+
+
+def test_a_run_that_only_plans_keeps_its_hash() -> None:
+    """Best known values and the resumption of sweeps hang on it."""
+    hashes = [
+        config_hash(config.composed("+scenario=circle", *more)[0])
+        for more in ((), ("flights=0",), ("flights=0", "world=mujoco", "mismatch=lab2x"))
+    ]
+    assert len(set(hashes)) == 1
+    flown = config_hash(config.composed("+scenario=circle", "flights=2")[0])
+    assert flown != hashes[0]
+    assert flown != config_hash(config.composed("+scenario=circle", "flights=2", "mismatch=none")[0])
+
+
+@pytest.mark.parametrize(
+    ("overrides", "field"),
+    [
+        (("flights=-1",), "flights"),
+        (("flights=1.5",), "flights"),
+        (("flights=1", "rig.motor_force=[2.5,8]"), "rig.motor_force"),
+        (("flights=1", "rig.servo_torque=[-1,1]"), "rig.servo_torque"),
+        (("flights=1", "rig.pull=0.5"), "rig"),
+        (("flights=1", "scenario.magnet_reach=0.01"), "scenario.magnet_reach"),
+        (("mismatch.mass=[0.1,-0.1]",), "mismatch.mass"),
+        (("mismatch.drag=[0,.nan]",), "mismatch.drag.1"),
+        (("mismatch.wnd=[0,0]",), "mismatch.wnd"),
+        (("judge.touch_speed=0",), "judge.touch_speed"),
+        (("residual=unheard_of",), "residual"),
+    ],
+)
+def test_mistakes_name_their_field(overrides: tuple[str, ...], field: str) -> None:
+    with pytest.raises(BadInput) as told:
+        asked(*overrides)
+    assert told.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("overrides", "field"),
+    [
+        (("+scenario=race", "vehicle=race_quadrotor"), "flights"),
+        (("+scenario=two_free",), "flights"),
+        (("+scenario=pympcc", "~vehicle", "~dynamics", "~guess", "certificate=mpcc"), "flights"),
+    ],
+)
+def test_what_cannot_be_flown_is_told(overrides: tuple[str, ...], field: str) -> None:
+    cfg, chosen = config.composed(*overrides, "flights=1")
+    found, case = campaign(cfg, chosen), config.build(cfg, chosen)
+    assert found is not None
+    with pytest.raises(BenchBenchError) as told:
+        found.check(getattr(case, "scenario", None), getattr(case, "model", None))
+    assert told.value.field == field  # type: ignore[attr-defined]
