@@ -17,12 +17,11 @@ class Px4(Autopilot):
     """PX4's rate controller: proportional and integral terms, times the inertia, and a mixer that gives up yaw first."""
 
     def __init__(
-        self,
-        proportional: tuple[float, ...] = (30.0, 30.0, 10.0),
-        integral: tuple[float, ...] = (60.0, 60.0, 10.0),
-    ) -> None:
-        """Gains about x, y and z, 1/s and 1/s^2."""
-        self.gains = Gains(tuple(proportional), tuple(integral))  # type: ignore[arg-type]
+        self, proportional: tuple[float, ...] = (20.0, 20.0, 10.0), integral: tuple[float, ...] = (60.0, 60.0, 10.0),
+        derivative: tuple[float, ...] = (0.8, 0.8, 0.0),
+    ) -> None:  # fmt: skip
+        """Gains about x, y and z, 1/s, 1/s^2 and 1."""
+        self.gains = Gains(tuple(proportional), tuple(integral), tuple(derivative))
 
     def prepare(self, known: Known) -> Callable[[Command, float, Triple], Array]:
         """Without the plan's torques."""

@@ -1,11 +1,12 @@
 """A rate loop as PX4's, and a mixer that gives up yaw first.
 
-PX4 (docs.px4.io, "Multicopter PID Tuning"): torque = P (asked - rate) + integral of I (asked - rate) + forward, per axis, with
+PX4 (docs.px4.io, "Multicopter PID Tuning"): torque = P (asked - rate) + integral of I (asked - rate) - D d rate/dt + forward, with
 anti-windup where a motor is at its limit; "airmode" off. Roll and pitch come before thrust, thrust before yaw.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import final
 
@@ -18,13 +19,17 @@ from benchbench.flight.sensed import Command, Triple
 from benchbench.flight.statics import hover, mixer
 from benchbench.flight.world import STEP
 
+SMOOTH = 1 - math.exp(-2 * math.pi * 30.0 * STEP)
+"""Share of a new derivative that is believed: a low-pass of 30 Hz, PX4's default for it."""
+
 
 @dataclass(frozen=True)
 class Gains:
-    """proportional 1/s and integral 1/s^2, times the inertia, about x, y and z; most: N m of yaw torque that is tried."""
+    """proportional 1/s, integral 1/s^2 and derivative 1, times the inertia, about x, y and z."""
 
-    proportional: tuple[float, float, float]
-    integral: tuple[float, float, float]
+    proportional: tuple[float, ...]
+    integral: tuple[float, ...]
+    derivative: tuple[float, ...]
 
 
 @final
@@ -37,6 +42,8 @@ class RateLoop:
         self.inertia = _locked(known).tolist()
         self.p = [g * j for g, j in zip(gains.proportional, self.inertia, strict=True)]
         self.i = [g * j * STEP for g, j in zip(gains.integral, self.inertia, strict=True)]
+        self.d = [g * j for g, j in zip(gains.derivative, self.inertia, strict=True)]
+        self.before, self.turning = (0.0, 0.0, 0.0), [0.0, 0.0, 0.0]
         mix = mixer(frame)
         start = mix @ hover(frame, float(known.reference.state[0, 7]))[:4]
         self.sum = [float(t) * (1 - forward) for t in start[1:]]
@@ -49,10 +56,12 @@ class RateLoop:
         torque, error = [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]
         for k in range(3):
             error[k] = command.rates[k] + since * command.spin[k] - gyro[k]
+            self.turning[k] += SMOOTH * ((gyro[k] - self.before[k]) / STEP - self.turning[k])
             torque[k] = (
-                self.p[k] * error[k] + self.sum[k] + self.inertia[k] * command.spin[k] * (1 - self.forward)
-                + self.forward * command.torque[k]
+                self.p[k] * error[k] + self.sum[k] - self.d[k] * (self.turning[k] - command.spin[k])
+                + self.inertia[k] * command.spin[k] * (1 - self.forward) + self.forward * command.torque[k]
             )  # fmt: skip
+        self.before = gyro
         forces, kept = self._mixed(command.thrust, torque)
         for k in range(3):
             if kept[k]:

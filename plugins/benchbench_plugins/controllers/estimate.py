@@ -1,4 +1,7 @@
-"""Where the vehicle is now: what was sensed, moved on by the commands since then; and which accelerations surprised."""
+"""Where the vehicle will be when a command works: what was sensed, moved on; and which accelerations surprised.
+
+What the reference asks for is fed forward; what a command changes about it works `latency` later (motors, rate loop).
+"""
 
 from __future__ import annotations
 
@@ -15,60 +18,61 @@ from benchbench.flight.residual import Correction, Sample
 from benchbench.flight.sensed import Command, Sensed
 from benchbench_plugins.controllers.tables import Tables
 
-LONGEST = 0.05
+LONGEST = 0.03
 """s of one step of moving on."""
 KEPT = 60
 """Commands that are remembered, more than a second."""
+NOTHING = np.zeros(4)
 
 
 @final
 class Estimate:
     """Of one flight."""
 
-    def __init__(self, table: Tables, known: Known, correction: Correction, weighing: Weighing) -> None:
+    def __init__(
+        self, table: Tables, known: Known, correction: Correction, weighing: Weighing, latency: float
+    ) -> None:
         """Remember nothing yet."""
-        self.table, self.correction, self.weighing = table, correction, weighing
-        self.mass, self.gravity, self.grid = (
+        self.table, self.correction, self.weighing, self.latency = table, correction, weighing, latency
+        self.reference, self.mass, self.gravity = (
+            known.reference,
             known.airframe.total_mass,
             known.airframe.gravity,
-            known.reference.step,
         )
         self.last: Sensed | None = None
-        self.commands: deque[tuple[Command, float]] = deque(maxlen=KEPT)
+        self.given: deque[tuple[Command, Array]] = deque(maxlen=KEPT)
         self.payload, self.constant = 0.0, np.zeros(3)
 
-    def told(self, command: Command, payload: float) -> None:
-        """Remember a command and the mass kg it was meant for."""
-        self.commands.append((command, self.mass + payload))
+    def told(self, command: Command, change: Array) -> None:
+        """Remember a command, and by which rates and thrust over mass (4,) it changes the reference's."""
+        self.given.append((command, change))
 
-    def now(self, sensed: Sensed, now: float) -> tuple[Array, float]:
-        """Return position, quaternion and velocity (10,) now, and the payload kg."""
+    def ahead(self, sensed: Sensed, now: float) -> tuple[Array, float]:
+        """Return position, quaternion and velocity (10,) a latency from now, and the payload in kg."""
         if sensed is not self.last:
             self._learn(sensed)
             self.last = sensed
-        p, q, v = sensed.state[:3].copy(), sensed.state[3:7], sensed.state[8:11].copy()
-        omega, time = sensed.state[11:14], sensed.time
-        while now - time > 1e-9 and self.commands:
-            h = min(LONGEST, now - time)
-            command, mass = self._given(time + h / 2)
-            at = time + h / 2 - command.time
-            asked = np.array(command.rates) + at * np.array(command.spin)
+        p, q, v = sensed.state[:3], sensed.state[3:7], sensed.state[8:11]
+        omega, time, until = sensed.state[11:14], sensed.time, now + self.latency
+        while until - time > 1e-9:
+            h = min(LONGEST, until - time)
+            middle = time + h / 2
+            row, (_, change) = self.reference.row(middle), self._given(middle)
+            asked = self.reference.state[row, 11:14] + change[:3]
             omega = (omega + asked) / 2
-            middle = turned(q, omega * (h / 2))
-            a = self._model(middle, command.thrust / mass, time + h / 2) + self.constant
+            a = self._model(turned(q, omega * (h / 2)), row, change[3]) + self.constant
             p, v, q, time, omega = p + h * v + h * h / 2 * a, v + h * a, turned(q, omega * h), time + h, asked
         return np.concatenate([p, q, v]), self.payload
 
     def _learn(self, sensed: Sensed) -> None:
         """Compare the change of velocity with what the model gives for the commands in between."""
-        last, command = self.last, None
-        along = 0.0
-        if last is not None and self.commands and sensed.time > last.time:
+        last, command, along = self.last, None, 0.0
+        if last is not None and sensed.time > last.time:
             h, middle = sensed.time - last.time, (sensed.time + last.time) / 2
-            command, mass = self._given(middle)
+            command, change = self._given(middle)
             q = last.state[3:7] + sensed.state[3:7]
             q = q / np.linalg.norm(q)
-            expected = self._model(q, command.thrust / mass, middle)
+            expected = self._model(q, self.reference.row(middle), change[3])
             surprise = (sensed.state[8:11] - last.state[8:11]) / h - expected
             self.correction.observe(Sample(sensed.time, sensed.state, surprise))
             along = float(_up(q) @ (surprise - self.constant))
@@ -76,16 +80,16 @@ class Estimate:
             self.constant = self.correction.predict(node, sensed.state[7:8])[0][0]
         self.payload = self.weighing(sensed, command, along)
 
-    def _given(self, time: float) -> tuple[Command, float]:
-        """The command in force at a time."""
-        for command, mass in reversed(self.commands):
-            if command.time <= time:
-                return command, mass
-        return self.commands[0]
+    def _given(self, time: float) -> tuple[Command | None, Array]:
+        """The command that works at a time."""
+        for command, change in reversed(self.given):
+            if command.time <= time - self.latency + 1e-9:
+                return command, change
+        return None, NOTHING
 
-    def _model(self, q: Array, push: float, time: float) -> Array:
+    def _model(self, q: Array, row: int, change: float) -> Array:
         """Acceleration of the model, with the arm's as in the reference."""
-        row = min(max(round((time - self.table.start) / self.grid), 0), len(self.table.coupling) - 1)
+        push = self.table.wrench[row, 0] / self.mass + change
         a = _up(q) * push + self.table.coupling[row]
         a[2] -= self.gravity
         return np.asarray(a)

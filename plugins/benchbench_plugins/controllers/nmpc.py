@@ -26,6 +26,8 @@ class Nmpc(Controller):
 
     stages, step           20 steps of 50 ms look ahead for a second
     position .. thrust     weights of the errors, in 1 over SI units squared
+    latency                s from a command until it works, of motors and rate loop (a guess, whatever the world)
+    lead                   s by which thrust and torques of the reference are told early
     rate_limit             rad/s, largest body rates that are asked for
     soft_speed             share by which the vehicle's speed limits may be exceeded before that costs; 0 for no such bound
     """
@@ -33,11 +35,12 @@ class Nmpc(Controller):
     def __init__(
         self, stages: int = 20, step: float = 0.05, position: float = 200.0, attitude: float = 5.0,
         velocity: float = 5.0, rates: float = 1.0, thrust: float = 0.1, rate_limit: tuple[float, ...] = (6.0, 6.0, 3.0),
-        soft_speed: float = 0.1,
+        soft_speed: float = 0.1, latency: float = 0.03, lead: float = 0.012,
     ) -> None:  # fmt: skip
         """Keep the numbers. Raises Unavailable without daqp."""
         need("daqp", "controller=nmpc")
         self.stages, self.step, self.rate_limit, self.soft_speed = stages, step, rate_limit, soft_speed
+        self.latency, self.lead = latency, lead
         self.weights = Weights(position, attitude, velocity, rates, thrust)
 
     def prepare(
@@ -52,8 +55,10 @@ class Nmpc(Controller):
             prediction, self.weights, np.append(-limit, most[0]), np.append(limit, most[1]), speed
         )
         table = tables(known.reference, frame, self.step)
-        estimate = Estimate(table, known, correction, weighing)
-        return _Running(program, table, estimate, Telling(known, table), correction, self.step).command
+        estimate = Estimate(table, known, correction, weighing, self.latency)
+        return _Running(
+            program, table, estimate, Telling(known, table, self.lead), correction, self.step
+        ).command
 
 
 class _Running:
@@ -70,8 +75,11 @@ class _Running:
     def command(self, sensed: Sensed, now: float) -> Command:
         """Estimate, predict, solve, tell."""
         table, program = self.table, self.program
-        state, payload = self.estimate.now(sensed, now)
-        rows = np.minimum(table.row(now) + self.stride * np.arange(program.stages + 1), len(table.state) - 1)
+        state, payload = self.estimate.ahead(sensed, now)
+        rows = np.minimum(
+            table.row(now + self.estimate.latency) + self.stride * np.arange(program.stages + 1),
+            len(table.state) - 1,
+        )
         wanted = table.inputs[rows[:-1]]
         inputs = np.clip(wanted + self._shifted(now), program.low[:4], program.high[:4])
         offset, by_state = self._residual(rows, state)
@@ -81,7 +89,7 @@ class _Running:
         found = program.solve(table.state[rows[1:]], wanted, table.error[rows[1:]])
         self.change, self.asked, self.nodes = found - wanted, now, program.prediction.after.copy()
         command = self.telling.command(now, self.change[0], payload)
-        self.estimate.told(command, payload)
+        self.estimate.told(command, self.change[0])
         return command
 
     def _shifted(self, now: float) -> Array:

@@ -17,18 +17,20 @@ from benchbench_plugins.controllers.tables import Tables
 class Telling:
     """Of one flight."""
 
-    def __init__(self, known: Known, table: Tables) -> None:
-        """Keep the reference."""
+    def __init__(self, known: Known, table: Tables, lead: float) -> None:
+        """Keep the reference; lead: s by which thrust and torques are told early, since motors lag."""
+        self.lead = lead
         self.reference, self.table, self.frame = known.reference, table, known.airframe
         self.span = round(PERIOD / known.reference.step)
 
     def command(self, now: float, change: Array, payload: float) -> Command:
         """Return the command for the time from now on; change (4,) of rates rad/s and thrust over mass; payload in kg."""
-        r, row = self.reference, self.reference.row(now)
+        r, row, early = self.reference, self.reference.row(now), self.reference.row(now + self.lead)
         later = min(row + self.span, len(r.time) - 1)
         state, after = r.state[row], r.state[later]
-        spin = (after[11:14] - state[11:14]) / PERIOD
-        wrench = self.table.wrench[row : row + self.span].mean(axis=0)
+        soon = r.state[min(early + self.span, len(r.time) - 1)]
+        spin = (soon[11:14] - r.state[early, 11:14]) / PERIOD
+        wrench = self.table.wrench[early : early + self.span].mean(axis=0)
         mass = self.frame.total_mass
         thrust = (wrench[0] / mass + change[3]) * (mass + payload)
         held, empty = (arm_moment(self.frame, float(state[7]), kg) for kg in (payload, 0.0))
