@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import lru_cache
 from types import SimpleNamespace
 
+import composing
 import numpy as np
 import pytest
 
@@ -20,7 +21,6 @@ from benchbench.planning.ladder import climb, coarse, on_grid, rung
 from benchbench.planning.margins import NONE, with_margins
 from benchbench.planning.mesh import halved, marked, steady
 from benchbench.planning.result import Result
-from benchbench.run import config
 from benchbench.transcription.grid import Grid, Phase
 from benchbench.transcription.prolongation import prolongation
 
@@ -29,7 +29,7 @@ TWO = Grid((Phase("approach", 3, 0.0, 9.0, 2.0), Phase("leave", 2, 0.0, 9.0, 1.0
 
 @lru_cache
 def case_of(*overrides: str) -> Case:
-    return config.compose("+scenario=static", "solver=ipopt", "compile=never", *overrides)
+    return composing.case_of("+scenario=static", "solver=ipopt", "compile=never", *overrides)
 
 
 @lru_cache
@@ -142,7 +142,7 @@ def test_intervals_are_marked_where_the_replay_found_errors() -> None:
     chosen = marked(found.plan, certificate, case)
     missed = np.abs(defects(found.plan, case.model.plant()).velocity).max(axis=1)
     assert chosen.any() and chosen[int(np.argmax(missed))]
-    assert steady(case) and not steady(config.compose("+scenario=race", "vehicle=race_ramp"))
+    assert steady(case) and not steady(composing.case_of("+scenario=race", "vehicle=race_ramp"))
 
 
 # --- the loop -----------------------------------------------------------------------------------------------------
@@ -163,4 +163,4 @@ def test_auto_refines_until_it_is_certified_and_tells_how() -> None:
 def test_a_coarse_case_has_no_coarser_grid() -> None:
     assert coarse(case_of("scenario.intervals=12")).scenario.grid_intervals == 12
     assert coarse(case_of()).scenario.grid_intervals == 25
-    assert coarse(config.compose("+scenario=race", "scenario.gates=2")).scenario.nodes_per_gate == 10
+    assert coarse(composing.case_of("+scenario=race", "scenario.gates=2")).scenario.nodes_per_gate == 10

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import composing
 import pytest
 import yaml
 from program import assert_refused, records, told
@@ -54,7 +55,7 @@ OTHER = [
 
 
 def key(*overrides: str) -> str:
-    found = config.compose(*overrides).task_hash
+    found = composing.case_of(*overrides).task_hash
     assert found
     return found
 
@@ -178,7 +179,7 @@ def test_folders_without_a_run_are_refused(tmp_path: Path) -> None:
 
 @cache
 def limits(scenario: str) -> object:
-    return config.compose(f"+scenario={scenario}").limits
+    return composing.case_of(f"+scenario={scenario}").limits
 
 
 def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
@@ -194,7 +195,7 @@ def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
     grids = {field: {e.get(field): e for e in known} for field in ("intervals", "kappa_init")}
     some = [e for of in (entries, *grids.values()) for e in of.values()]
     for entry in {e["task_hash"]: e for e in some}.values():
-        case = config.compose(*shlex.split(entry["command"]))
+        case = composing.case_of(*shlex.split(entry["command"]))
         assert case.task_hash == entry["task_hash"]
         assert (case.scenario.name, case.scenario.grid_intervals) == (entry["scenario"], entry["intervals"])
         assert case.limits == limits(entry["scenario"])
@@ -220,7 +221,7 @@ def test_values_that_come_with_benchbench_are_at_least_those_of_scans() -> None:
 def test_a_run_tells_its_gap_and_what_beats_it(tmp_path: Path) -> None:
     """A real plan against a value that is too good, then against one that it beats; then it is kept."""
     task = ("+scenario=static", *SMALL)
-    plan = pipeline.run(config.compose(*task)).record
+    plan = pipeline.run(composing.case_of(*task)).record
     assert plan["certified"] and plan["best_known_s"] is None and plan["gap_percent"] is None
     file = tmp_path / "references" / "best_known.yaml"
     entry = {

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+import composing
 import pytest
 
 from benchbench import pipeline
-from benchbench.run import config
 from benchbench.storage.status import Status
 
 COMBINATIONS = [
@@ -31,7 +31,7 @@ UNFINISHED = {
 @pytest.mark.parametrize(("dynamics", "relaxation", "solver"), COMBINATIONS)
 def test_combination(dynamics: str, relaxation: str, solver: str) -> None:
     few = bool(UNFINISHED & {solver, (dynamics, relaxation, solver)})
-    case = config.compose(
+    case = composing.case_of(
         "+scenario=static", f"dynamics={dynamics}", f"relaxation={relaxation}", f"solver={solver}",
         "guess=line", "scenario.intervals=8", f"iteration_limit={8 if few else 60}", "time_limit=10",
     )  # fmt: skip

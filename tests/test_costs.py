@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
+import composing
 import pytest
 
 from benchbench import pipeline
 from benchbench.mpcc.spending import collecting, cpu_s, spending
 from benchbench.nlp.ledger import Ledger, Spent
 from benchbench.nlp.solver import Outcome, Point
-from benchbench.run import config
 from benchbench.storage.schema import Record
 
 QUICK = ("+scenario=static", "scenario.intervals=12", "compile=never")
 
 
 def record(*overrides: str) -> Record:
-    return pipeline.run(config.compose(*QUICK, *overrides)).record
+    return pipeline.run(composing.case_of(*QUICK, *overrides)).record
 
 
 def test_parts_of_a_homotopy() -> None:

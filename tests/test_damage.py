@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+import composing
 import numpy as np
 import pytest
 from damage import Damage, jump_at, of_claims, of_inputs, of_shape, of_states, of_time
@@ -17,7 +18,6 @@ from benchbench.certificate.passing import gate_nodes
 from benchbench.certificate.replay import FAR, TOLERANCE, fly
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
-from benchbench.run import config
 
 HANDOVER = ("+scenario=circle", "compile=never")
 RACE = ("+scenario=race", "scenario.gates=2", "compile=never")
@@ -25,7 +25,7 @@ Planned = tuple[Case, Plan]
 
 
 def planned(*overrides: str) -> Planned:
-    case = config.compose(*overrides)
+    case = composing.case_of(*overrides)
     plan = pipeline.run(case).result.plan
     assert plan is not None
     return case, plan

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 
+import composing
 import numpy as np
 import pytest
 from program import Done, assert_refused, told
@@ -16,7 +17,6 @@ from benchbench import pipeline
 from benchbench.certificate.certificate import Certificate
 from benchbench.cli.commands.certify import run
 from benchbench.errors import BadInput
-from benchbench.run import config
 from benchbench.storage.flight import flight_of
 from benchbench.storage.flight_csv import to_csv
 
@@ -26,7 +26,7 @@ HANDOVER = ("+scenario=static", "strategy=phases", "scenario.intervals=30")
 
 @cache
 def own(*overrides: str) -> pipeline.Run:
-    return pipeline.run(config.compose(*overrides))
+    return pipeline.run(composing.case_of(*overrides))
 
 
 @pytest.mark.parametrize("overrides", [RACE, HANDOVER])
@@ -35,7 +35,7 @@ def test_our_plan_comes_back_with_the_same_numbers(tmp_path: Path, overrides: tu
     done = own(*overrides)
     file = tmp_path / "plan.csv"
     file.write_text(to_csv(flight_of(done.result.plan)))
-    again = pipeline.run(config.compose(*overrides[:2], "strategy=foreign", f"strategy.file={file}"))
+    again = pipeline.run(composing.case_of(*overrides[:2], "strategy=foreign", f"strategy.file={file}"))
     for name in ("time", "configuration", "velocity", "inputs", "progress"):
         np.testing.assert_allclose(
             getattr(again.result.plan, name), getattr(done.result.plan, name), atol=1e-9
@@ -61,7 +61,7 @@ def task(first: Sequence[float] = GOOD[1], second: Sequence[float] = GOOD[2], *m
 def judge(flown: Flown, folder: Path, *overrides: str) -> Certificate:
     file = folder / "flight.csv"
     file.write_text(flown.csv())
-    case = config.compose(*(overrides or task()), "strategy=foreign", f"strategy.file={file}")
+    case = composing.case_of(*(overrides or task()), "strategy=foreign", f"strategy.file={file}")
     return pipeline.run(case).certificate
 
 

@@ -6,6 +6,7 @@ import math
 from functools import cache
 
 import casadi as ca
+import composing
 import numpy as np
 import pytest
 
@@ -17,7 +18,6 @@ from benchbench.formulation.gate_conditions import conditions
 from benchbench.ocp.gates import manner, passes
 from benchbench.ocp.track import Gate, Opening
 from benchbench.ocp.track_file import read
-from benchbench.run import config
 
 FRAME = {"x": -1.1, "y": -1.6, "z": 3.6, "width": 1.2, "height": 0.8, "yaw": 0.0}
 SLOW = {"x": 9.2, "y": 6.6, "z": 1.0, "speed": [2, 6], "heading": -0.3}
@@ -27,13 +27,13 @@ BOX = ("scenario.gates=2", "scenario.nodes_per_gate=36")
 @cache
 def planned() -> pipeline.Run:
     track = "scenario.track=[{x:-1.1,y:-1.6,z:3.6,width:1.2,height:0.8,yaw:0.0},{x:9.2,y:6.6,z:1.0,speed:[2,6],heading:-0.3}]"
-    return pipeline.run(config.compose("+scenario=race", track, *BOX))
+    return pipeline.run(composing.case_of("+scenario=race", track, *BOX))
 
 
 def judged(*lap: dict[str, object]) -> Certificate:
     done = planned()
     told = [str(gate).replace("'", "").replace(" ", "") for gate in lap]
-    case = config.compose("+scenario=race", f"scenario.track=[{','.join(told)}]", *BOX)
+    case = composing.case_of("+scenario=race", f"scenario.track=[{','.join(told)}]", *BOX)
     return certify(done.result.plan, case.scenario, case.model, case.limits)
 
 
@@ -185,7 +185,7 @@ def test_conditions_of_planners_agree_with_plain_geometry() -> None:
 def test_a_heading_is_not_flown_with_the_nose_straight_up() -> None:
     """Where turning is slow and pitching is not: this flight stood on its tail at the gate, with any heading before and after."""
     gate = "{x: 0, y: 2, z: 2, radius: 0.3, heading: 3.0}"
-    case = config.compose(
+    case = composing.case_of(
         "+scenario=race", f"scenario.track=[{gate}]", "scenario.gates=null", "scenario.nodes_per_gate=20",
         "scenario.start={x: -2, y: 0, z: 2}", "scenario.end={x: 2, y: 0, z: 2}",
     )  # fmt: skip
@@ -201,7 +201,7 @@ def test_a_gate_to_turn_round_at_is_crossed(direction: str) -> None:
     """Start and end are on one side: a flight that only touches the plane, or grazes it, is shorter and no crossing."""
     gate = f"{{x: 0, y: 0, z: 2, width: 1, height: 1, yaw: 0, direction: {direction}}}"
     ends = ("scenario.start={x: -4, y: 0, z: 2}", "scenario.end={x: -4, y: 3, z: 2}")
-    case = config.compose(
+    case = composing.case_of(
         "+scenario=race",
         f"scenario.track=[{gate}]",
         "scenario.gates=null",

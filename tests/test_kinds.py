@@ -11,6 +11,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import composing
 import numpy as np
 import pytest
 from PIL import Image
@@ -26,7 +27,6 @@ from benchbench.ocp.scenario import Scenario, at_rest
 from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.report.style import TARGET
-from benchbench.run import config
 from benchbench.storage.playback import read_mcap
 
 ROOT = Path(__file__).parents[1]
@@ -69,7 +69,7 @@ def flown(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
     done: Done = told(folder, *FLIGHT, "compile=never", "output=results")
     assert done.returncode == 0, done.stdout + done.stderr
     (run,) = (folder / "results" / "runs").glob("*/*")
-    case = config.compose(*FLIGHT, "compile=never")
+    case = composing.case_of(*FLIGHT, "compile=never")
     return SimpleNamespace(
         said=done.stdout, run=run, record=json.loads((run / "record.json").read_text()), case=case,
         plan=read_mcap(run / "plan.mcap").plan, results=folder / "results",
@@ -135,7 +135,7 @@ def test_it_passes_the_conformance_suite(check: Callable[[Case], None], flown: S
 
 def test_the_task_tells_balls_apart_but_not_how_it_is_planned(flown: SimpleNamespace) -> None:
     def hash_of(*more: str) -> str | None:
-        return config.compose(*FLIGHT, "compile=never", *more).task_hash
+        return composing.case_of(*FLIGHT, "compile=never", *more).task_hash
 
     assert flown.case.task_hash is not None
     assert hash_of("scenario.reach=0.4") != flown.case.task_hash

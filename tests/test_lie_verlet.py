@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import casadi as ca
+import composing
 import numpy as np
 import pytest
 from flights import TABLE_I, table_one
@@ -16,7 +17,6 @@ from benchbench.conformance.checks.initial_value import fly, integrate, one_phas
 from benchbench.errors import IncompatibleCase
 from benchbench.ocp.model import ExplicitModel, LagrangianModel, ManifoldModel, Model
 from benchbench.ocp.plan import Plan
-from benchbench.run import config
 from benchbench_plugins.dynamics.lie_verlet import LieVerlet
 from benchbench_plugins.dynamics.verlet import Verlet
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator
@@ -263,7 +263,7 @@ def test_wrong_reaction_to_rotation_is_noticed() -> None:
 def test_a_handover_in_quaternions_takes_as_long_as_in_angles() -> None:
     told_both = ("+scenario=static", "strategy=phases", "scenario.intervals=60")
     found = [
-        pipeline.run(config.compose(*told_both, f"vehicle={vehicle}", f"dynamics={dynamics}"))
+        pipeline.run(composing.case_of(*told_both, f"vehicle={vehicle}", f"dynamics={dynamics}"))
         for vehicle, dynamics in (("table1", "verlet"), ("table1_quaternion", "lie_verlet"))
     ]
     angles, quaternions = (done.result.plan for done in found)
@@ -278,7 +278,7 @@ def test_a_tilted_plan_in_quaternions_is_refused() -> None:
     """Roll, pitch and Euler rates keep their limits as outputs: the certificate says so by name."""
     from benchbench.certificate.certify import certify
 
-    case = config.compose(
+    case = composing.case_of(
         "+scenario=static", "strategy=phases", "scenario.intervals=20",
         "vehicle=table1_quaternion", "dynamics=lie_verlet",
     )  # fmt: skip
@@ -295,7 +295,7 @@ def test_a_tilted_plan_in_quaternions_is_refused() -> None:
 
 def test_verlet_refuses_quaternions() -> None:
     with pytest.raises(IncompatibleCase, match="adds coordinates") as caught:
-        pipeline.run(config.compose("+scenario=static", "vehicle=table1_quaternion"))
+        pipeline.run(composing.case_of("+scenario=static", "vehicle=table1_quaternion"))
     assert "lie_verlet" in str(caught.value)
 
 
@@ -309,9 +309,11 @@ def test_replay_errors_of_races_at_the_declared_nodes(forces: str, nodes: int) -
         f"scenario.nodes_per_gate={nodes}",
     )
     lie, rk4 = (
-        pipeline.run(config.compose(*told_both, f"dynamics={name}")).record
+        pipeline.run(composing.case_of(*told_both, f"dynamics={name}")).record
         if name == "rk4"
-        else pipeline.run(config.compose(*told_both, f"dynamics={name}", f"dynamics.forces={forces}")).record
+        else pipeline.run(
+            composing.case_of(*told_both, f"dynamics={name}", f"dynamics.forces={forces}")
+        ).record
         for name in ("lie_verlet", "rk4")
     )
     assert lie["replay_drift_position_m"] < 0.01

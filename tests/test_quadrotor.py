@@ -7,6 +7,7 @@ from functools import cache
 from typing import Any
 
 import casadi as ca
+import composing
 import mujoco
 import numpy as np
 import pytest
@@ -17,7 +18,6 @@ from benchbench import pipeline
 from benchbench.arrays import Array
 from benchbench.ocp.model import ExplicitModel, ManifoldModel, OutputModel, RacingModel, RampModel
 from benchbench.planning.case import Case
-from benchbench.run import config
 from benchbench_plugins.models.attitude import UnitQuaternion
 from benchbench_plugins.models.attitude_space import AttitudeSpace
 from benchbench_plugins.models.quadrotor import Quadrotor
@@ -73,7 +73,7 @@ def test_a_free_spin_keeps_angular_momentum_and_energy() -> None:
 
 
 def race(*overrides: str) -> Case:
-    return config.compose(
+    return composing.case_of(
         "+scenario=race", "strategy=phases", "scenario.gates=2", "scenario.nodes_per_gate=16", *overrides
     )
 
@@ -134,13 +134,13 @@ COURSE = (
 @cache
 def needed() -> float:
     """Seconds on a fine grid."""
-    fine = pipeline.run(config.compose(*COURSE, "scenario.nodes_per_gate=30"))
+    fine = pipeline.run(composing.case_of(*COURSE, "scenario.nodes_per_gate=30"))
     return float(fine.record["travel_time_s"])
 
 
 def test_coarse_grids_are_exploited_without_normalising() -> None:
     """With growing quaternions a coarse grid is "solved" in far too little time; ours needs what a fine one needs."""
-    coarse = config.compose(*COURSE, "scenario.nodes_per_gate=10")
+    coarse = composing.case_of(*COURSE, "scenario.nodes_per_gate=10")
     honest = pipeline.run(coarse)
     assert honest.record["travel_time_s"] == pytest.approx(needed(), rel=0.02)
     assert isinstance(coarse.model, Quadrotor)
@@ -156,7 +156,7 @@ def test_coarse_grids_are_exploited_without_normalising() -> None:
 )
 def test_coarse_grids_gain_nothing(dynamics: str, error_m: float) -> None:
     """Ten nodes per gate: unit quaternions, an honest time, a replay that is near for its order (exploits: 44 to 219 m)."""
-    done = pipeline.run(config.compose(*COURSE, "scenario.nodes_per_gate=10", f"dynamics={dynamics}"))
+    done = pipeline.run(composing.case_of(*COURSE, "scenario.nodes_per_gate=10", f"dynamics={dynamics}"))
     length = np.linalg.norm(done.result.plan.configuration[:, 3:], axis=1)
     np.testing.assert_allclose(length, 1, atol=1e-8)
     assert done.record["travel_time_s"] == pytest.approx(needed(), rel=0.04)

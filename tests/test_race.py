@@ -8,6 +8,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import composing
 import numpy as np
 import pytest
 from flights import Bare
@@ -24,14 +25,13 @@ from benchbench.ocp.gates import passes
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.track import Gate
 from benchbench.planning.race_start import point_mass_plan
-from benchbench.run import config
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap
 
 
 @cache
 def run(*overrides: str) -> pipeline.Run:
-    return pipeline.run(config.compose("+scenario=race", *overrides))
+    return pipeline.run(composing.case_of("+scenario=race", *overrides))
 
 
 def good() -> pipeline.Run:
@@ -69,7 +69,7 @@ def test_straight_up_takes_what_constant_thrust_takes() -> None:
     done = run(*track)
     exact = math.sqrt(2 * (20 - 0.3) / (4 * 6.8794 / 0.85 - 9.801))
     assert done.record["travel_time_s"] == pytest.approx(exact, rel=1e-6)
-    case = config.compose("+scenario=race", *track)
+    case = composing.case_of("+scenario=race", *track)
     assert point_mass_plan(case.scenario, case, Ledger(60.0)).travel_time == pytest.approx(exact, rel=1e-6)
 
 
@@ -113,7 +113,7 @@ def test_smaller_gates_and_own_gates_take_longer(tmp_path: Path) -> None:
 
 
 def test_who_cannot_race_is_told() -> None:
-    case = config.compose("+scenario=race")
+    case = composing.case_of("+scenario=race")
     with pytest.raises(BadInput, match="'race_quadrotor' cannot race"):
         pipeline.run(replace(case, model=Bare(case.model)))
     with pytest.raises(BadInput, match="gate 1 is outside the workspace"):

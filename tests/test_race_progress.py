@@ -7,6 +7,7 @@ from functools import cache
 from itertools import permutations
 from typing import cast
 
+import composing
 import numpy as np
 import pytest
 
@@ -34,7 +35,7 @@ FINE = "relaxation.schedule=[1e-2,1e-4,1e-9]"
 
 
 def case_of(*overrides: str) -> Case:
-    return config.compose("+scenario=race", *overrides)
+    return composing.case_of("+scenario=race", *overrides)
 
 
 def race_of(case: Case) -> Race:

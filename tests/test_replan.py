@@ -5,6 +5,7 @@ from __future__ import annotations
 import runpy
 from pathlib import Path
 
+import composing
 import numpy as np
 import pytest
 
@@ -21,7 +22,6 @@ from benchbench.planning.replan import Replanner, moved, renumbered
 from benchbench.planning.result import Result
 from benchbench.planning.shift import Shift
 from benchbench.planning.strategy import pose
-from benchbench.run import config
 from benchbench.transcription.grid import Grid, Phase
 from benchbench_plugins.motions import Circle, Combined, Fixed, Linear
 
@@ -46,7 +46,7 @@ def fresh(case: Case) -> Result:
 
 @pytest.mark.parametrize("name", TARGETS)
 def test_replanned_travel_time_is_that_of_a_fresh_solve(name: str) -> None:
-    replanner = Replanner(config.compose(f"+scenario={name}", *SMALL))
+    replanner = Replanner(composing.case_of(f"+scenario={name}", *SMALL))
     q, v = state(replanner.first.plan, 0.1)
     answer = replanner.plan(TARGETS[name], q, v, elapsed=0.1)
     again = fresh(answer.case)
@@ -61,7 +61,7 @@ def test_replanned_travel_time_is_that_of_a_fresh_solve(name: str) -> None:
 
 @pytest.mark.parametrize("name", TARGETS)
 def test_renumbered_problem_is_the_one_built_anew(name: str) -> None:
-    case = config.compose(f"+scenario={name}", *SMALL)
+    case = composing.case_of(f"+scenario={name}", *SMALL)
     old = phases(case, straight_line(case))
     q = case.scenario.start_point(case.model) + 0.01
     new = moved(case, TARGETS[name], q, np.linspace(-0.1, 0.1, 7))
@@ -70,7 +70,7 @@ def test_renumbered_problem_is_the_one_built_anew(name: str) -> None:
 
 
 def test_parameters_of_a_program_are_the_constants_of_another() -> None:
-    case = config.compose("+scenario=linear", *SMALL)
+    case = composing.case_of("+scenario=linear", *SMALL)
     old, new = (
         phases(c, straight_line(c)).mpcc
         for c in (case, moved(case, TARGETS["linear"], np.ones(7), np.zeros(7)))
@@ -115,7 +115,7 @@ def test_the_example_follows_its_target(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_bad_input_is_explained() -> None:
-    replanner = Replanner(config.compose("+scenario=static", *SMALL))
+    replanner = Replanner(composing.case_of("+scenario=static", *SMALL))
     q, v = state(replanner.first.plan, 0.0)
     with pytest.raises(BadInput, match="another kind"):
         replanner.plan(TARGETS["linear"], q, v)
@@ -131,6 +131,6 @@ def test_bad_input_is_explained() -> None:
     with pytest.raises(BadInput, match=r"v: .* 7 numbers: x, y, z"):
         replanner.plan(TARGETS["static"], q, np.full(7, np.nan))
     with pytest.raises(IncompatibleCase, match="builds each problem anew"):
-        Replanner(config.compose("+scenario=static", "solver=sqpmethod", *SMALL))
+        Replanner(composing.case_of("+scenario=static", "solver=sqpmethod", *SMALL))
     with pytest.raises(IncompatibleCase, match="no single target"):
-        Replanner(config.compose("+scenario=race"))
+        Replanner(composing.case_of("+scenario=race"))

@@ -7,6 +7,7 @@ from itertools import permutations
 from pathlib import Path
 from typing import Any
 
+import composing
 import numpy as np
 import pytest
 from flights import REST, SHIFT, along_tool, crossing, table_one
@@ -251,7 +252,7 @@ def test_order_reaches_over_a_stop_that_is_left_out() -> None:
 
 
 def compose(*overrides: str) -> Case:
-    return config.compose(*overrides, "compile=never")
+    return composing.case_of(*overrides, "compile=never")
 
 
 def test_a_named_stop_is_the_same_problem_as_a_target() -> None:
@@ -325,7 +326,7 @@ REFUSED = (
 )
 def test_bad_input_has_one_clear_message(overrides: tuple[str, ...], field: str, says: str) -> None:
     with pytest.raises(BadInput) as caught:
-        case = config.compose(*overrides)
+        case = composing.case_of(*overrides)
         validate(case)
         case.guess.plan(case, Ledger(60.0))
     assert str(caught.value).startswith(f"{field}: ")

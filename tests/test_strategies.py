@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import composing
 import numpy as np
 import pytest
 
@@ -21,7 +22,6 @@ from benchbench.planning.guess import first_plan, straight_line
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge, planned, pose
 from benchbench.planning.windows import Windows, coarser
-from benchbench.run import config
 from benchbench.storage.recording import write_mcap
 
 N = 12
@@ -29,7 +29,7 @@ SMALL = (f"scenario.intervals={N}", "iteration_limit=150")
 
 
 def case_of(*overrides: str) -> Case:
-    return config.compose("+scenario=static", *SMALL, *overrides)
+    return composing.case_of("+scenario=static", *SMALL, *overrides)
 
 
 def solve(case: Case) -> Result:
@@ -126,7 +126,10 @@ def test_coarse_to_fine_finds_the_window_of_an_exhaustive_search() -> None:
 
 @pytest.mark.parametrize("strategy", ["enumeration", "polish"])
 def test_searching_for_one_contact_refuses_several_before_it_solves(strategy: str) -> None:
-    case, ledger = config.compose("+scenario=delivery", f"strategy={strategy}", "guess=phases"), Ledger(60.0)
+    case, ledger = (
+        composing.case_of("+scenario=delivery", f"strategy={strategy}", "guess=phases"),
+        Ledger(60.0),
+    )
     with pytest.raises(IncompatibleCase, match="one contact"):
         planned(case.strategy, case, ledger)
     assert not ledger.solves
@@ -146,7 +149,7 @@ def test_searching_for_one_contact_refuses_several_before_it_solves(strategy: st
 def test_searching_for_windows_refuses_what_windows_do_not_say(
     strategy: str, overrides: tuple[str, ...], problem: str
 ) -> None:
-    case, ledger = config.compose(*overrides, f"strategy={strategy}"), Ledger(60.0)
+    case, ledger = composing.case_of(*overrides, f"strategy={strategy}"), Ledger(60.0)
     with pytest.raises(IncompatibleCase, match=problem):
         planned(case.strategy, case, ledger)
     assert not ledger.solves
@@ -155,7 +158,7 @@ def test_searching_for_windows_refuses_what_windows_do_not_say(
 @pytest.mark.parametrize("seed", [4, 7])
 def test_phases_finds_the_best_known_plan_from_a_disturbed_start(seed: int) -> None:
     """Two of the 90 runs of docs/strategies.md, on the default grid."""
-    record = pipeline.run(config.compose("+scenario=linear", f"seed={seed}")).record
+    record = pipeline.run(composing.case_of("+scenario=linear", f"seed={seed}")).record
     assert record["certified"]
     assert record["gap_percent"] <= 0.5
 
@@ -173,12 +176,12 @@ def test_polish_moves_an_early_contact_to_the_best_window() -> None:
 
 def test_polish_gives_no_certified_plan_away_for_a_cheaper_one() -> None:
     """Without margins, the polished plan exceeds the arm's rate; that of relax has the scenario's margins."""
-    case = config.compose("+scenario=circle", "strategy=polish", "strategy.margin=1e-9")
+    case = composing.case_of("+scenario=circle", "strategy=polish", "strategy.margin=1e-9")
     assert judge(solve(case), case, Ledger(60.0)).certified
 
 
 def test_phases_without_success_returns_the_attempt_with_the_whole_limit() -> None:
-    case = config.compose(
+    case = composing.case_of(
         "+scenario=static",
         "strategy=phases",
         "strategy.patience=5",
@@ -191,7 +194,7 @@ def test_phases_without_success_returns_the_attempt_with_the_whole_limit() -> No
 
 
 def test_refine_stops_when_it_has_settled() -> None:
-    case = config.compose(
+    case = composing.case_of(
         "+scenario=static", "strategy=refine", "strategy.coarsest=100", "strategy.finest=400"
     )
     found = solve(case)
@@ -212,20 +215,20 @@ def test_refine_stops_at_the_finest_grid_without_a_certificate() -> None:
 
 
 def test_refine_refuses_contacts_that_do_not_fit_into_its_coarsest_grid() -> None:
-    case = config.compose("+scenario=static", "strategy=refine", "scenario.kappa_init=95")
+    case = composing.case_of("+scenario=static", "strategy=refine", "scenario.kappa_init=95")
     with pytest.raises(BadInput, match="25 nodes in contact do not fit into 25 intervals"):
         solve(case)
 
 
 def test_phases_refuses_a_start_without_the_contact(tmp_path: Path) -> None:
     """One that claims none, and the plan of a scenario with other stops; a detour may be left out."""
-    other = config.compose("+scenario=two_free", "scenario.intervals=20")
+    other = composing.case_of("+scenario=two_free", "scenario.intervals=20")
     write_mcap(tmp_path / "plan.mcap", straight_line(other), None, other.scenario, other.model, {})
     for guess in ("guess=neutral", "guess=previous guess.path=" + str(tmp_path / "plan.mcap")):
         case = case_of("strategy=phases", *guess.split())
         with pytest.raises(IncompatibleCase, match="touches none of target"):
             solve(case)
-    phases(config.compose("+scenario=detour"), replace(straight_line(other), progress=np.zeros((21, 2))))
+    phases(composing.case_of("+scenario=detour"), replace(straight_line(other), progress=np.zeros((21, 2))))
 
 
 def test_multistart_is_reproducible_and_counts() -> None:
@@ -249,7 +252,7 @@ def test_strategies_nest_and_are_named_so() -> None:
 
 def test_margins_follow_the_replay() -> None:
     bare, held = (
-        config.compose("+scenario=circle", "strategy=phases", f"strategy.margin={most}")
+        composing.case_of("+scenario=circle", "strategy=phases", f"strategy.margin={most}")
         for most in (1e-9, 0.5)
     )
     first, second = (solve(case) for case in (bare, held))

@@ -19,7 +19,7 @@ from benchbench.nlp.program import assemble
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.plan import Plan
+from benchbench.ocp.plan import Plan, bezier
 from benchbench.ocp.scenario import Scenario
 from benchbench.transcription.dynamics import Dynamics
 from benchbench.transcription.grid import Grid, Phase, Trajectory
@@ -88,14 +88,12 @@ def transcribe(dynamics: Dynamics, model: Model, grid: Grid, scenario: Scenario 
 
 def fly(model: Model, plan: Plan) -> Plan:
     """Replace the states of a plan by those its inputs lead to from its start: DOP853 on the plant, 1e-13."""
-    plant, n = model.plant(), plan.configuration.shape[1]
+    plant, n, pieces = model.plant(), plan.configuration.shape[1], plan.input_pieces
     states = [np.concatenate([plan.configuration[0], plan.velocity[0]])]
-    for t0, t1 in zip(plan.time[:-1], plan.time[1:], strict=True):
+    for t0, t1, points in zip(plan.time[:-1], plan.time[1:], pieces, strict=True):
 
-        def flow(
-            t: float, y: Array, inside: float = (t0 + t1) / 2, held: bool = plan.interpolation == "hold"
-        ) -> Array:
-            u = plan.input_at(np.array([inside if held else t]))[0]
+        def flow(t: float, y: Array, t0: float = t0, t1: float = t1, points: Array = points) -> Array:
+            u = points[0] if len(points) == 1 else bezier(points, (t - t0) / (t1 - t0))
             return np.concatenate([plant.kinematics(y[:n], y[n:]), plant.acceleration(y[:n], y[n:], u)])
 
         states.append(solve_ivp(flow, (t0, t1), states[-1], method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1])

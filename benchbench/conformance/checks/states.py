@@ -47,7 +47,7 @@ def symbols(model: Model) -> Symbols:
         ca.Function("rate", [q, v], [lives.kinematics(q, v)]),
         ca.Function("tool", [q, v], [tool, ca.jtimes(tool, q, lives.kinematics(q, v))]),
         ca.Function("nose", [q], [model.nose(q)]),
-        ca.Function("normalised", [q], [lives.normalised(q)]),
+        _normalising(model),
     )
 
 
@@ -66,7 +66,12 @@ def energies(model: LagrangianModel) -> Energies:
 
 def normalised(model: Model, q: Array) -> Array:
     """Configurations (n, n_q) moved to where they live."""
-    return np.asarray(symbols(model).normalised(q.T)).T
+    return np.asarray(_normalising(model)(q.T)).T
+
+
+def _normalising(model: Model) -> ca.Function:
+    q, _, _ = _arguments(model)
+    return ca.Function("normalised", [q], [space(model).normalised(q)])
 
 
 def _arguments(model: Model) -> tuple[ca.SX, ca.SX, ca.SX]:
