@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.flight.reference import Reference
+from benchbench.flight.reference import Reference, matrices
 from benchbench.flight.statics import arm_moment, mixer
 from benchbench.ocp.airframe import Airframe
 from benchbench.ocp.task_family import Draws
@@ -16,6 +16,12 @@ WAVES = 4
 """Sines of which each motion is made."""
 SPEED = 0.7
 """Share of the speed limits that the wandering reaches at most."""
+LEANING = 3
+"""Rounds in which attitude and motion of the common centre of mass agree."""
+HIGHER = 0.5
+"""m above the reference's start, so that it stays clear of the ground."""
+SPARE = 50
+"""Samples more than are flown: differences at the last ones are one-sided."""
 AWAY = 10.0
 """m, so far the ball is put aside."""
 
@@ -26,10 +32,10 @@ def training_reference(reference: Reference, airframe: Airframe, seconds: float,
     Positions and arm are sums of sines of random periods from 2 to 6 s that begin at rest; the ball is far away.
     """
     step, lead = reference.step, reference.lead
-    time: Array = step * np.arange(-round(lead / step), round(seconds / step) + 1, dtype=float)
+    time: Array = step * np.arange(-round(lead / step), round(seconds / step) + 1 + SPARE, dtype=float)
     draws = Draws("training", seed)
     start = reference.state[0].copy()
-    speed = SPEED * np.array(airframe.speed)
+    speed = SPEED * np.array(airframe.speed) * [1.0, 1.0, 0.5]
     waves = [_wave(draws, axis, time, float(speed[i])) for i, axis in enumerate(("x", "y", "z"))]
     arms = reference.state[:, 7]
     spread = float(max(arms.max() - arms.min(), 0.2)) / 2
@@ -40,14 +46,18 @@ def training_reference(reference: Reference, airframe: Airframe, seconds: float,
         state[:, i] += way
         state[:, 8 + i] = rate
         acceleration[:, i] = push
-    state[:, 2] = np.maximum(state[:, 2] + 0.5, 0.8)
+    state[:, 2] += HIGHER
     state[:, 7] += swing[0]
     state[:, 14] = swing[1]
-    state[:, 3:7], state[:, 11:14] = _leaning(acceleration, airframe.gravity, step)
-    inputs = _inputs(state, acceleration, airframe)
+    pushed = acceleration
+    for _ in range(LEANING):
+        state[:, 3:7], state[:, 11:14] = _leaning(pushed, airframe.gravity, step)
+        pushed = acceleration + _apart(state, airframe, step)
+    inputs = _inputs(state, pushed, airframe)
     target = np.tile([AWAY, AWAY, 0.4, 0.0, 0.0, 0.0], (len(time), 1))
     return replace(
-        reference, time=time, state=state, inputs=inputs, acceleration=acceleration, target=target,
+        reference, time=time[:-SPARE], state=state[:-SPARE], inputs=inputs[:-SPARE],
+        acceleration=acceleration[:-SPARE], target=target[:-SPARE],
         window=(seconds + 1.0, seconds + 1.0), travel_time=seconds,
     )  # fmt: skip
 
@@ -63,11 +73,20 @@ def _wave(draws: Draws, name: str, time: Array, most: float) -> tuple[Array, Arr
         )
         amplitude = most / WAVES * period / (2 * np.pi)
         value += amplitude * (np.sin(2 * np.pi * begun / period + phase) - np.sin(phase))
-    share = np.clip(begun, 0.0, 1.0)
-    value *= share**3 * (10 - 15 * share + 6 * share**2)
+    value *= 1 - np.exp(-(begun**5))  # the arm's pull follows the fourth derivative, so that one has no jump
     step = float(time[1] - time[0])
     rate = np.gradient(value, step)
     return value, rate, np.gradient(rate, step)
+
+
+def _apart(state: Array, airframe: Airframe, step: float) -> Array:
+    """Acceleration (n, 3) of the common centre of mass relative to the body's origin."""
+    arm, half = state[:, 7], airframe.arm_length / 2
+    centre = np.stack(
+        [half * np.cos(arm), np.zeros(len(arm)), -airframe.arm_offset - half * np.sin(arm)], axis=-1
+    )
+    way = np.einsum("nij,nj->ni", matrices(state[:, 3:7]), centre) * airframe.arm_mass / airframe.total_mass
+    return np.asarray(np.gradient(np.gradient(way, step, axis=0), step, axis=0))
 
 
 def _leaning(acceleration: Array, gravity: float, step: float) -> tuple[Array, Array]:
