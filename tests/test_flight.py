@@ -1,0 +1,208 @@
+"""A certified plan flown in closed loop: tracking in a perfect world, the judge's reasons, records, and failures of controllers."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchbench import pipeline
+from benchbench.certificate.replay import replay
+from benchbench.flight.campaign import Campaign
+from benchbench.flight.columns import exact_bound
+from benchbench.flight.controller import Controller, Known
+from benchbench.flight.from_plan import reference_of
+from benchbench.flight.judge import judge
+from benchbench.flight.loop import Log
+from benchbench.flight.mismatch import Mismatch
+from benchbench.flight.payload import Weighing
+from benchbench.flight.reference import Reference, tip
+from benchbench.flight.residual import Correction
+from benchbench.flight.sensed import Command, Sensed
+from benchbench.flight.statics import hover
+from benchbench.ocp.airframe import FlownModel
+from benchbench.ocp.handover import Handover
+from benchbench.planning.case import Case
+from benchbench.run import config
+from benchbench.run.flying import campaign
+
+pytest.importorskip("mujoco", reason="mujoco is not installed")
+pytest.importorskip("daqp", reason="daqp is not installed")
+GENTLE = ("+scenario=circle", "+scenario/contact=approach", "residual=observer")
+
+
+def asked(*overrides: str) -> tuple[Case, Campaign]:
+    cfg, chosen = config.composed(*GENTLE, *overrides)
+    case, found = config.build(cfg, chosen), campaign(cfg, chosen)
+    assert isinstance(case, Case) and found is not None
+    return case, found
+
+
+@pytest.fixture(scope="module")
+def flown() -> pipeline.Run:
+    """A gentle plan, and two flights of it in different worlds."""
+    case, flights = asked("flights=2", "mismatch=lab")
+    return pipeline.run(case, labels={"run_id": "flown"}, campaign=flights)
+
+
+@pytest.fixture(scope="module")
+def reference(flown: pipeline.Run) -> Reference:
+    assert flown.flights is not None
+    return flown.flights.reference
+
+
+def frame(run: pipeline.Run) -> FlownModel:
+    assert isinstance(run.case, Case) and isinstance(run.case.model, FlownModel)
+    return run.case.model
+
+
+def test_plan_is_certified_flown_and_told(flown: pipeline.Run, tmp_path: Path) -> None:
+    record = flown.record
+    assert record["certified"] and (record["flights"], record["flights_succeeded"]) == (2, 2)
+    assert record["flights_low_exact"] == pytest.approx(0.05**0.5)
+    assert (record["world"], record["residual"], record["mismatch"]) == ("mujoco", "observer", "lab")
+    assert record["flight_error_before_m"] < 0.02
+    paths = pipeline.write(flown, tmp_path / "run", tmp_path, "", picture=False)
+    with paths["flights"].open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["success"] for row in rows] == ["True", "True"]
+    assert rows[0]["mismatch.mass"] != rows[1]["mismatch.mass"]
+
+
+@pytest.mark.parametrize(("autopilot", "most"), [("px4", 0.008), ("torque_ff", 0.003)])
+def test_perfect_world_is_tracked(
+    flown: pipeline.Run, reference: Reference, autopilot: str, most: float
+) -> None:
+    _, flights = asked("residual=none", "mismatch=none", f"autopilot={autopilot}")
+    one = flights.once(reference, frame(flown).airframe, 0)
+    assert one.verdict.success and one.verdict.error_before <= most
+
+
+def test_reference_is_the_replay(flown: pipeline.Run, reference: Reference) -> None:
+    """At the plan's nodes, by the certificate's own plant; before and after it hovers at the ends."""
+    case, flight, plant = flown.case, flown.certificate.flight, frame(flown).plant()
+    assert isinstance(case, Case) and flight is not None
+    position, _ = plant.tool(flight.configuration, flight.velocity)
+    a = frame(flown).airframe
+    found, _ = tip(reference.state, a.arm_offset, a.arm_length)
+    at = np.stack([np.interp(flight.time, reference.time, column) for column in found.T], axis=-1)
+    assert np.abs(at - position).max() < 1e-4
+    for end in (0, -1):
+        assert not reference.state[end, 8:].any()
+        u = hover(a, float(reference.state[end, 7]))
+        np.testing.assert_allclose(reference.inputs[end], u)
+        q = np.array([0, 0, 1, 0, 0, 0, reference.state[end, 7]])
+        np.testing.assert_allclose(plant.acceleration(q, np.zeros(7), u), 0, atol=1e-9)
+
+
+def test_a_replay_that_starts_again_has_no_jump(flown: pipeline.Run) -> None:
+    case, plan = flown.case, flown.result.plan
+    assert isinstance(case, Case) and isinstance(case.scenario, Handover)
+    again = replay(plan, frame(flown).plant(), restart_seconds=1.0)
+    assert again.restarts
+    made = reference_of(plan, again, frame(flown), case.scenario)
+    way = np.diff(made.state[:, :3], axis=0) / made.step
+    between = (made.state[1:, 8:11] + made.state[:-1, 8:11]) / 2
+    assert np.abs(way - between).max() < 0.02
+
+
+class Failing(Controller):
+    """Hands on what another controller commands, spoilt after half a second."""
+
+    def __init__(self, own: Controller, spoil: Callable[[Command], Command]) -> None:
+        self.own, self.spoil = own, spoil
+
+    def prepare(
+        self, known: Known, correction: Correction, weighing: Weighing
+    ) -> Callable[[Sensed, float], Command]:
+        step = self.own.prepare(known, correction, weighing)
+
+        def control(sensed: Sensed, now: float) -> Command:
+            command = step(sensed, now)
+            return self.spoil(command) if now > 0.5 else command
+
+        return control
+
+
+def raises(command: Command) -> Command:
+    raise RuntimeError("no idea")
+
+
+def nothing(command: Command) -> Command:
+    return replace(command, thrust=float("nan"))
+
+
+def falls(command: Command) -> Command:
+    return replace(command, thrust=0.0)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "reason", "detail"),
+    [(raises, "controller", "no idea"), (nothing, "controller", "no number"), (falls, "lost", "")],
+)
+def test_a_failing_controller_costs_one_flight(
+    flown: pipeline.Run, reference: Reference, spoil: Callable[[Command], Command], reason: str, detail: str
+) -> None:
+    _, flights = asked("mismatch=none")
+    broken = replace(flights, controller=Failing(flights.controller, spoil))
+    one = broken.once(reference, frame(flown).airframe, 0)
+    assert reason in one.verdict.reasons and detail in one.verdict.detail
+
+
+def perfect(reference: Reference) -> Log:
+    """A flight exactly as planned, the ball taken where the plan first touches it and carried on."""
+    n = len(reference.time) - 1
+    state, time = reference.state[1:].copy(), reference.time[1:]
+    ball = reference.target[1:] - [0, 0, reference.ball_radius, 0, 0, 0]
+    return Log(
+        time=time, state=state, ball=ball, attached=time >= reference.window[0], touched=("",) * n, motors=np.zeros((n, 4)),
+        commanded=np.zeros(0), rates=np.zeros((0, 3)), thrust=np.zeros(0), controller_cpu=np.full(10, 1e-3), cpu=1.0, broken="",
+    )  # fmt: skip
+
+
+def test_every_reason_of_the_judge(flown: pipeline.Run, reference: Reference) -> None:
+    """Each from a perfect flight with one thing changed."""
+    (_, flights), a = asked(), frame(flown).airframe
+    good = perfect(reference)
+    fast = good.ball.copy()
+    fast[:, 3] += 0.4
+    changes = {
+        "lost": {"broken": "lost"},
+        "controller": {"broken": "the controller raised"},
+        "controller late": {"controller_cpu": np.full(10, 0.03)},
+        "no attachment": {"attached": np.zeros(len(good.time), bool)},
+        "early": {"attached": good.time >= reference.window[0] - 0.3},
+        "late": {"attached": good.time >= reference.window[1] + 0.01},
+        "dropped": {"attached": good.attached & (good.time < reference.window[1] + 0.5)},
+        "touched": {"touched": ("stand", *good.touched[1:])},
+        "too fast": {"ball": fast},
+    }
+    assert judge(good, reference, a, flights.limits).reasons == ()
+    for reason, change in changes.items():
+        found = judge(replace(good, **change), reference, a, flights.limits).reasons  # type: ignore[arg-type]
+        assert reason in found, reason
+    aside = reference.target.copy()
+    aside[:, 3:5] = aside[:, [4, 3]] * [-1, 1]
+    assert judge(good, replace(reference, target=aside), a, flights.limits).reasons == ("heading",)
+
+
+def test_59_successes_prove_95_percent() -> None:
+    assert exact_bound(59, 59) > 0.95 > exact_bound(58, 58)
+    assert exact_bound(0, 5) == 0.0
+    assert exact_bound(9, 10) == pytest.approx(0.6058, abs=1e-4)  # Clopper and Pearson's tables
+
+
+def test_draws_are_those_of_the_seed_alone() -> None:
+    ranges = Mismatch(mass=(-0.1, 0.1), wind=(-1, 1))
+    assert str(ranges.draw(3)) == str(ranges.draw(3))
+    more = Mismatch(mass=(-0.1, 0.1), wind=(-1, 1), drag=(0, 1))
+    assert ranges.draw(3).mass == more.draw(3).mass  # what is drawn besides changes nothing
+    masses = np.array([ranges.draw(seed).mass for seed in range(400)])
+    assert abs(masses.mean()) < 0.01 and masses.min() > -0.1 and masses.max() < 0.1
+    assert abs(masses.std() - 0.1 / 3**0.5) < 0.005
+    wind = np.array([ranges.draw(seed).wind for seed in range(400)])
+    assert abs(np.corrcoef(wind.T)[0, 1]) < 0.15
