@@ -20,6 +20,7 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import defects, replay
+from benchbench.certificate.speed_bound import sequence_bound
 from benchbench.mpcc.residuals import PairResidual, Residuals
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
@@ -379,17 +380,23 @@ def test_longest_run() -> None:
     assert longest_run(np.ones(4, bool)) == (0, 3)
 
 
-def test_lower_bound_of_the_static_handover() -> None:
+def by_speed(scenario: Handover) -> float:
+    found = sequence_bound(scenario, scenario.itinerary.stops, MODEL, MODEL.plant())
+    assert found <= lower_bound(scenario, MODEL, MODEL.plant())
+    return found
+
+
+def test_the_bound_by_speed_of_the_static_handover() -> None:
     paper = Handover(
         name="static", start={"z": 0.65}, end={"x": 2.5, "z": 0.65}, contacts={"position": Position()},
         target=Polynomial(0.0, np.array([[1.0, 0.0, 0.4]])),
     )  # fmt: skip
-    assert lower_bound(paper, MODEL, MODEL.plant()) == pytest.approx(2.5 / 1.3, abs=1e-12)
+    assert by_speed(paper) == pytest.approx(2.5 / 1.3, abs=1e-12)
     behind = paper.model_copy(update={"target": Polynomial(0.0, np.array([[-1.0, 0.0, 0.4]]))})
-    assert lower_bound(behind, MODEL, MODEL.plant()) == pytest.approx((4.5 - 2 * 0.252) / 1.3, abs=2e-3)
+    assert by_speed(behind) == pytest.approx((4.5 - 2 * 0.252) / 1.3, abs=2e-3)
     coming = paper.model_copy(update={"target": Polynomial(0.0, np.array([[10.0, 0, 0.4], [-1.3, 0, 0]]))})
     meeting = (10 - 0.252) / (2 * 1.3)
-    assert lower_bound(coming, MODEL, MODEL.plant()) == pytest.approx(2 * meeting - 2.5 / 1.3, abs=2e-3)
+    assert by_speed(coming) == pytest.approx(2 * meeting - 2.5 / 1.3, abs=2e-3)
 
 
 def test_limits_refuse_what_they_do_not_know() -> None:

@@ -15,8 +15,8 @@ from test_certificate import LIMITS, assert_mentions
 
 from benchbench import pipeline
 from benchbench.arrays import Array
-from benchbench.certificate.bound import arm_reach, sequence_bound
 from benchbench.certificate.certify import certify
+from benchbench.certificate.speed_bound import arm_reach, sequence_bound
 from benchbench.conformance.checks.initial_value import one_phase, transcribe
 from benchbench.errors import BadInput
 from benchbench.formulation.coupling import Coupling

@@ -31,6 +31,7 @@ class Outcome:
     better          tasks whose plan is the first known, or better than the best known
     bound_median    %, of certified tasks with a proven lower bound above 0: how far above it
     bounded         how many those are
+    level_median    %, of the same above the larger of that and of the bound for level flights
     """
 
     certified: Rate
@@ -43,6 +44,7 @@ class Outcome:
     better: int
     bound_median: float | None
     bounded: int
+    level_median: float | None
 
 
 def outcome(rows: Sequence[Row | None]) -> Outcome:
@@ -50,13 +52,14 @@ def outcome(rows: Sequence[Row | None]) -> Outcome:
     certified = [row for row in rows if row and row["certified"] is True]
     costs = sorted(cpu(row) for row in rows)
     gaps = [row["gap_percent"] for row in certified if row["gap_percent"] is not None]
+    level = [gap for row in certified if (gap := above_bound(row, level=True)) is not None]
     above = [gap for row in certified if (gap := above_bound(row)) is not None]
     return Outcome(
         wilson(len(certified), len(rows)),
         dict(Counter(str(row["status"]) if row else "bad_input" for row in rows).most_common()),
         _at(costs, 0.5), _at(costs, MOST),
         median(gaps) if gaps else None, max(gaps, default=None), len(gaps), sum(map(_better, certified)),
-        median(above) if above else None, len(above),
+        median(above) if above else None, len(above), median(level) if level else None,
     )  # fmt: skip
 
 
@@ -66,9 +69,14 @@ def cpu(row: Row | None) -> float:
     return sum(math.inf if part is None else float(part) for part in parts)
 
 
-def above_bound(row: Row) -> float | None:
-    """How far the travel time is above the proven bound, %; None where there is none that says anything."""
+def above_bound(row: Row, level: bool = False) -> float | None:
+    """How far the travel time is above the proven bound, %; None where there is none that says anything.
+
+    level: above that for flights whose nose is turned by yaw torque alone, where there is one.
+    """
     bound, time = row["lower_bound_s"], row["travel_time_s"]
+    if level and row["level_bound_s"] is not None:
+        bound = row["level_bound_s"]
     return 100 * (time / bound - 1) if bound and time is not None else None
 
 

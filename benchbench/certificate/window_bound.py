@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.certificate.bound import AXES, STEP, arm_reach
+from benchbench.certificate.leg import AXES
 from benchbench.certificate.limits import Limits
+from benchbench.certificate.speed_bound import STEP, arm_reach
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import sample
 from benchbench.ocp.scenario import Scenario

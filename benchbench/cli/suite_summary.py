@@ -21,7 +21,7 @@ from benchbench.sweep.sweep import Swept
 FOLDER = "suites"
 """In the folder of results."""
 COLUMNS = (
-    "scenario", "status", "reasons", "certified", "travel_time_s", "reward_s", "best_known_s", "gap_percent", "lower_bound_s", *CPU,
+    "scenario", "status", "reasons", "certified", "travel_time_s", "reward_s", "best_known_s", "gap_percent", "lower_bound_s", "limited_by", "level_bound_s", *CPU,
     "task_hash", "config_hash", "run_id",
 )  # fmt: skip
 """What the file says of each task."""
@@ -107,7 +107,8 @@ def _lines(how: Sequence[str], told: Outcome) -> dict[str, str]:
         "certified": f"{rate.successes} of {rate.runs}  ({interval}){f'; {rest}' if rest else ''}",
         "CPU": f"median {_said(told.cpu_median_s, 's')}, {within}  (build, solve and check)",
         "travel time": _compared(told),
-        "proven bound": f"median {_said(told.bound_median, '%', '+')} above that of {told.bounded} tasks",
+        "proven bound": f"median {_said(told.bound_median, '%', '+')} above that of {told.bounded} tasks, "
+        f"{_said(told.level_median, '%', '+')} above that of level flights",
     }
 
 

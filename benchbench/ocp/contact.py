@@ -74,6 +74,18 @@ class Contact(ABC):
         """Return the physical gap (n,) in `unit` for q, v (n, n_q) and target states (n, 3)."""
 
 
+class NoseContact(Contact):
+    """A condition on where the nose points, which bounds on the travel time rest on."""
+
+    @property
+    @abstractmethod
+    def heading_error(self) -> float:
+        """Largest angle in rad between the nose and the ground velocity of a target that moves faster than `SLOW`."""
+
+
+SLOW = 1e-5
+"""Ground speed in m/s below which a direction of motion means nothing."""
+
 Contacts = Mapping[str, Contact]
 
 THOUSANDTHS = ("m", "m/s", "rad", "rad/s")

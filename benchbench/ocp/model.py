@@ -11,6 +11,7 @@ What only some vehicles have is a class of its own beside `Model`. A plugin list
     OutputModel       limits on more than q, v and u
     RampModel         limits that change along the way
     RacingModel       what races, and point-mass guesses, ask for
+    AgileModel        how far it comes from a standstill, from which travel times are bounded
 """
 
 from __future__ import annotations
@@ -156,6 +157,25 @@ class RacingModel(Model):
         """Guess how to follow a point mass: q (N + 1, n_q), v (N + 1, n_v), u (N, n_u).
 
         time (N + 1,) s, position and velocity (N + 1, 3), thrust over mass (N, 3) in m/s^2, held per interval.
+        """
+
+
+class AgileModel(Model):
+    """A model that says how far it comes from a standstill, from which flights are bounded from below."""
+
+    @abstractmethod
+    def way_from_rest(self, q: Array, time: Array) -> Bounds:
+        """Return metres back and ahead along x, y, z, each (n, 3), that no flight from rest in q (n_q,) passes in `time` (n,) s.
+
+        A proof, for reversed time as well: no flight that comes to rest in q is farther away so long before.
+        """
+
+    @property
+    @abstractmethod
+    def level_yaw_acceleration(self) -> float:
+        """Largest angular acceleration in rad/s^2 by which yaw torque alone turns the level vehicle's nose.
+
+        No proof for a flight: rolling and pitching in turn turn the nose as well, by the solid angle that the thrust axis goes round.
         """
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
-from benchbench.ocp.contact import Contacts
+from benchbench.ocp.contact import Contacts, NoseContact
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import ONLY
 
@@ -51,6 +51,19 @@ class Stop:
     def reach(self) -> float | None:
         """How far in m the end effector may be from the target in contact; None where no contact says so."""
         return min((c.reach for c in self.contacts.values() if c.reach is not None), default=None)
+
+    @property
+    def heading_error(self) -> float | None:
+        """How far in rad the nose may be off the target's direction in contact; None where no contact says so."""
+        asked = (c.heading_error for c in self.contacts.values() if isinstance(c, NoseContact))
+        return min(asked, default=None)
+
+    def lasts(self, travel_time: float) -> float:
+        """How long the contact lasts at least, s, in a flight of so many s; 0 where only nodes are counted."""
+        if self.contact_seconds is not None:
+            return self.contact_seconds
+        steps, grid = self.counted or (0, 1)
+        return steps * travel_time / grid
 
     def named(self, what: str) -> str:
         """Return what something of this stop is called in a recording."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, final
 
-from benchbench.certificate.bound import lower_bound
+from benchbench.certificate.bound import bounded
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.limits import Limits, ProblemLimits
@@ -100,7 +100,7 @@ class Case(AnyCase, Formulation):
             "intervals": plan.intervals,
             **columns(scenario),
             "travel_time_s": plan.travel_time,
-            "lower_bound_s": lower_bound(scenario, self.model, self.model.plant()),
+            **bounded(scenario, self.model, self.model.plant()),
             "task_hash": self.task_hash if comparable else None,
         }
 

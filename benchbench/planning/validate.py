@@ -11,7 +11,9 @@ import numpy as np
 
 from benchbench import registry
 from benchbench.arrays import Array
-from benchbench.certificate.bound import AXES, arm_reach, lower_bound
+from benchbench.certificate.bound import lower_bound
+from benchbench.certificate.leg import AXES
+from benchbench.certificate.speed_bound import arm_reach
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Setup

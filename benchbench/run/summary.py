@@ -99,6 +99,7 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     lines: list[tuple[str, Text | str]] = [
         ("travel time", f"{_number(r['travel_time_s'], '.4f', 's')}   "
                         f"(lower bound {_number(r['lower_bound_s'], '.3f', 's')}{_best(r)})"),
+        *_limited(r),
     ]  # fmt: skip
     if new_best(r):
         less = Text(f"{-r['gap_percent']:.2g} % less than any certified plan before", style="bold green")
@@ -122,6 +123,16 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     if r["certified"] and r["limits_used_said"]:
         lines.append(("limits used", "\n".join(r["limits_used_said"][:REASONS])))
     return lines
+
+
+def _limited(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
+    """The demand that bounds the travel time, and yaw where that takes longer."""
+    proved, level, by = r["lower_bound_s"], r["level_bound_s"], r["limited_by"]
+    if not by:
+        return []
+    if level is None or level <= 1.01 * proved:
+        return [("limited by", by)]
+    return [("limited by", f"yaw, at least {level:.3f} s by its torque (no proof)\nproved: {by}")]
 
 
 def _flown(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:

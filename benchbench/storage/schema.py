@@ -71,6 +71,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("travel_time_s", "float", "s", "travel time t_N of the plan"),
     Column("objective", "float", "", "value of the cost: t_N + c_u sum h |u - u_ref|^2; of a ready-made MPCC its own cost"),
     Column("lower_bound_s", "float", "s", "proved lower bound of the travel time"),
+    Column("limited_by", "str", "", "demand that lower_bound_s comes from; empty where a kind of scenario does not say"),
+    Column("level_bound_s", "float", "s", "lower bound for flights whose nose is turned by the yaw torque alone, not by rolling and pitching: no proof for others"),
     Column("search", "str", "", "what a strategy that tries candidates tried and proved; empty for others"),
     Column("starts", "int", "", "starts that strategy=multistart solved from; empty for others"),
     Column("starts_certified", "int", "", "how many of them ended with a certified plan"),

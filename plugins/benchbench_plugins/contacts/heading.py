@@ -10,12 +10,10 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.arrays import Array
-from benchbench.ocp.contact import Condition, Contact, Target
+from benchbench.ocp.contact import SLOW, Condition, NoseContact, Target
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node
 
-SLOW = 1e-5
-"""Ground speed in m/s below which a direction of motion means nothing."""
 SMALL = 1e-3
 """Limit in rad below which one minus its cosine has lost digits."""
 STILL = 1e-9
@@ -26,7 +24,7 @@ limit is the certified one, to rounding, wherever that asks anything.
 
 @final
 @dataclass(frozen=True)
-class Heading(Contact):
+class Heading(NoseContact):
     """Angle between the vehicle's nose and the target's ground velocity, at most `limit` rad.
 
     form "angle": e <= limit, written with cos e, so flying backwards (e = pi) is far outside; a target
@@ -45,6 +43,11 @@ class Heading(Contact):
     def reach(self) -> None:
         """Any."""
         return None
+
+    @property
+    def heading_error(self) -> float:
+        """The limit, in either form: the certificate measures the angle."""
+        return self.limit
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
         """H = (1 - cos e) / (1 - cos limit) - 1, or h = cross^2 / limit^2 - 1."""

@@ -17,6 +17,8 @@ from benchbench.arrays import Array
 from benchbench.errors import BadInput, invalid
 from benchbench.ocp.airframe import Airframe, FlownModel
 from benchbench.ocp.model import (
+    AgileModel,
+    Bounds,
     Coordinates,
     LagrangianModel,
     ManifoldModel,
@@ -26,6 +28,7 @@ from benchbench.ocp.model import (
     box,
 )
 from benchbench.ocp.space import Space
+from benchbench_plugins.models import aerial_manipulator_agility as agility
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
 from benchbench_plugins.models.attitude import ATTITUDES, AttitudeKind
@@ -36,7 +39,7 @@ INPUTS = ("motor_1", "motor_2", "motor_3", "motor_4", "servo")
 
 
 @final
-class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel, FlownModel):
+class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel, FlownModel, AgileModel):
     """Aerial manipulator of the paper.
 
     force_model "virtual_work": Q_p = R e_3 sum f, Q_xi = E(xi)^T tau_B, Q_alpha = tau_servo. The arm angle
@@ -198,6 +201,16 @@ class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel
             drag=p.torque_coefficient * np.array([-1.0, -1.0, 1.0, 1.0]), gravity=p.gravity,
             motor_force=p.motor_force, servo_torque=p.servo_torque, speed=p.speed,
         )  # fmt: skip
+
+    def way_from_rest(self, q: Array, time: Array) -> Bounds:
+        """Proved in `aerial_manipulator_agility`."""
+        upright = self._attitude.plant().rotation(q[3:-1])[2, 2]
+        return agility.way(self.parameters, q[-1], float(np.arccos(np.clip(upright, -1.0, 1.0))), time)
+
+    @property
+    def level_yaw_acceleration(self) -> float:
+        """That of the rotors' drag."""
+        return agility.yaw_acceleration(self.parameters)
 
     def plant(self) -> Plant:
         """Independent Newton-Euler equations."""

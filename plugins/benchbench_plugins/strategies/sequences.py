@@ -8,7 +8,7 @@ from typing import Annotated, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.certificate.bound import sequence_bound
+from benchbench.certificate.speed_bound import sequence_bound
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.stop import Stop
 from benchbench.planning import posing
