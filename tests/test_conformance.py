@@ -14,6 +14,11 @@ import pytest
 
 import benchbench_plugins
 from benchbench.conformance.candidates import GROUPS, candidates
+from benchbench.flight.autopilot import Autopilot
+from benchbench.flight.controller import Controller
+from benchbench.flight.payload import Payload
+from benchbench.flight.residual import Residual
+from benchbench.flight.world import World
 from benchbench.mpcc.ready import ReadyMade
 from benchbench.nlp.relaxation import Relaxation
 from benchbench.nlp.solver import Solver
@@ -32,6 +37,7 @@ BASES = {
     "models": Model, "dynamics": Dynamics, "contacts": Contact, "motions": Motion, "relaxations": Relaxation,
     "solvers": Solver, "strategies": Strategy, "guesses": Guess, "peers": Peer,
     "collections": ReadyMade, "scenarios": Scenario, "task_families": TaskFamily,
+    "worlds": World, "controllers": Controller, "autopilots": Autopilot, "residuals": Residual, "payloads": Payload,
 }  # fmt: skip
 
 
