@@ -20,7 +20,8 @@ class Mismatch(BaseModel):
     What is called a share is of the nominal value: 0.05 is 5 % more.
 
     mass, ball_mass     share, of quadrotor and ball
-    thrust              share, of all motors together (a battery that sags); motor: of each, drawn four times
+    thrust              share, of all motors together (a battery that sags); motor: of each, drawn four times; first_motor:
+                        of the first one besides
     motor_lag           s, time constant of the motors
     centre_of_mass      m, of the quadrotor, along x and along y
     drag                N s/m, linear in the speed through the air
@@ -41,6 +42,7 @@ class Mismatch(BaseModel):
     ball_mass: Between = NONE
     thrust: Between = NONE
     motor: Between = NONE
+    first_motor: Between = NONE
     motor_lag: AtLeastZero = NONE
     centre_of_mass: Between = NONE
     drag: AtLeastZero = NONE
@@ -89,6 +91,7 @@ class Drawn(BaseModel):
     ball_mass: float
     thrust: float
     motor: Array
+    first_motor: float
     motor_lag: float
     centre_of_mass: Array
     drag: float

@@ -90,7 +90,8 @@ class Estimate:
     def _model(self, q: Array, row: int, change: float) -> Array:
         """Acceleration of the model, with the arm's as in the reference."""
         push = self.table.wrench[row, 0] / self.mass + change
-        a = _up(q) * push + self.table.coupling[row]
+        share = self.payload / (self.mass + self.payload)
+        a = _up(q) * push + self.table.coupling[row] + share * self.table.apart[row]
         a[2] -= self.gravity
         return np.asarray(a)
 

@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.arrays import Array, Index
 from benchbench.flight.controller import Controller, Known
 from benchbench.flight.extra import need
 from benchbench.flight.payload import Weighing
@@ -82,7 +82,7 @@ class _Running:
         )
         wanted = table.inputs[rows[:-1]]
         inputs = np.clip(wanted + self._shifted(now), program.low[:4], program.high[:4])
-        offset, by_state = self._residual(rows, state)
+        offset, by_state = self._residual(rows, state, payload)
         program.prediction.run(state, inputs, table.offset[rows[:-1]] + offset)
         if by_state is not None:
             program.prediction.by_state[:] += by_state
@@ -98,12 +98,13 @@ class _Running:
         later = np.vstack([self.change[1:], self.change[-1:]])
         return (1 - share) * self.change + share * later
 
-    def _residual(self, rows: Array, state: Array) -> tuple[Array, Array | None]:
-        """Offsets (stages, 10) of the residual acceleration, held for each stage, and what it adds to dx+/dx."""
+    def _residual(self, rows: Index, state: Array, payload: float) -> tuple[Array, Array | None]:
+        """Offsets (stages, 10) of the residual acceleration and a payload (kg), held for each stage, and their share of dx+/dx."""
         nodes = self.table.state[rows[:-1]]
         if len(self.nodes):
             nodes = np.vstack([state, self.nodes[:-1]])
         pushed, gradient = self.correction.predict(nodes, self.table.arm[rows[:-1]])
+        pushed = pushed + payload / (self.estimate.mass + payload) * self.table.stage_apart[rows[:-1]]
         h = self.step
         offset = np.zeros((len(pushed), 10))
         offset[:, :3], offset[:, 7:] = h * h / 2 * pushed, h * pushed

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.flight.reference import Reference, matrices
+from benchbench.arrays import Array, Index
+from benchbench.flight.reference import Reference, matrices, tip
 from benchbench.flight.statics import mixer
 from benchbench.ocp.airframe import Airframe
 from benchbench_plugins.controllers.prediction import STATES, stage
@@ -26,6 +26,9 @@ class Tables:
     arm      (n,) rad
     coupling (m, 3) m/s^2 every `Reference.step`: acceleration of the reference that the model's thrust does not give
     wrench   (m, 4) thrust N and body torques N m of the plan, every `Reference.step`
+    tip      (m, 3) m/s^2 acceleration of the end effector, gravity taken off, every `Reference.step`
+    apart    (m, 3) m/s^2, which a payload at the tip adds to the coupling, times its share of the whole mass;
+             stage_apart (n, 3) its mean over a stage
     """
 
     start: float
@@ -36,6 +39,9 @@ class Tables:
     arm: Array
     coupling: Array
     wrench: Array
+    tip: Array
+    apart: Array
+    stage_apart: Array
 
     def row(self, time: float) -> int:
         """Return the row of a time."""
@@ -48,19 +54,30 @@ def tables(reference: Reference, airframe: Airframe, step: float) -> Tables:
     rows = np.arange(0, len(reference.time), each)
     later = np.minimum(rows + span, len(reference.time) - 1)
     wrench = reference.inputs[:, :4] @ mixer(airframe).T
-    push = np.cumsum(np.append(0.0, wrench[:, 0])) / airframe.total_mass
-    mean = (push[np.maximum(later, rows + 1)] - push[rows]) / np.maximum(later - rows, 1)
+    mean = _means(wrench[:, :1] / airframe.total_mass, rows, later)
     q, after = reference.state[rows, 3:7], reference.state[later, 3:7]
-    inputs = np.hstack([_rates(q, after) / step, mean[:, None]])
+    inputs = np.hstack([_rates(q, after) / step, mean])
     state = reference.state[:, [*range(7), 8, 9, 10]]
     model = stage(airframe.gravity, step).map(len(rows))
     ends = model(state[rows].T, inputs.T, np.zeros((STATES, len(rows))))[0].full().T
     up = matrices(reference.state[:, 3:7])[:, :, 2]
     thrust = up * wrench[:, :1] / airframe.total_mass - [0, 0, airframe.gravity]
+    coupling = reference.acceleration - thrust
+    pulled = np.gradient(
+        tip(reference.state, airframe.arm_offset, airframe.arm_length)[1], reference.step, axis=0
+    )
+    apart = reference.acceleration - pulled - coupling
     return Tables(
         float(reference.time[0]), state[rows], inputs, state[later] - ends, _errors(q), reference.state[rows, 7],
-        reference.acceleration - thrust, wrench,
+        coupling, wrench, pulled + np.array([0.0, 0.0, airframe.gravity]), apart, _means(apart, rows, later),
     )  # fmt: skip
+
+
+def _means(values: Array, rows: Index, later: Index) -> Array:
+    """Means of values (m, k) from each row up to the later one, (n, k); the row itself at the end."""
+    total = np.vstack([np.zeros(values.shape[1]), np.cumsum(values, axis=0)])
+    until = np.maximum(later, rows + 1)
+    return np.asarray((total[until] - total[rows]) / (until - rows)[:, None])
 
 
 def _rates(q: Array, after: Array) -> Array:

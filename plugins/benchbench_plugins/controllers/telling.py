@@ -8,8 +8,8 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.flight.controller import PERIOD, Known
+from benchbench.flight.reference import matrices
 from benchbench.flight.sensed import Command, Triple
-from benchbench.flight.statics import arm_moment
 from benchbench_plugins.controllers.tables import Tables
 
 
@@ -33,14 +33,24 @@ class Telling:
         wrench = self.table.wrench[early : early + self.span].mean(axis=0)
         mass = self.frame.total_mass
         thrust = (wrench[0] / mass + change[3]) * (mass + payload)
-        held, empty = (arm_moment(self.frame, float(state[7]), kg) for kg in (payload, 0.0))
-        torque = wrench[1:] + np.array([0.0, held[1] - empty[1], 0.0])
-        servo = float(r.inputs[row : row + self.span, 4].mean()) + held[0] - empty[0]
+        load, joint = self._load(early, float(state[7]), payload)
+        torque = wrench[1:] + load
+        servo = float(r.inputs[row : row + self.span, 4].mean()) + joint
         rate = (after[7] - state[7]) / PERIOD
         return Command(
             now, float(thrust), _triple(state[11:14] + change[:3]), _triple(spin), _triple(torque),
             (float(state[7]), float(rate), servo),
         )  # fmt: skip
+
+    def _load(self, row: int, arm: float, payload: float) -> tuple[Array, float]:
+        """Torques N m on the body (3,), and about the joint, that move a payload (kg) at the tip as the reference does."""
+        if payload == 0.0:
+            return np.zeros(3), 0.0
+        pull = payload * self.table.tip[row : row + self.span].mean(axis=0)
+        force = matrices(self.reference.state[row : row + 1, 3:7])[0].T @ pull
+        x, z = self.frame.arm_length * np.cos(arm), -self.frame.arm_length * np.sin(arm)
+        joint = float(z * force[0] - x * force[2])
+        return np.cross([x, 0.0, z - self.frame.arm_offset], force), joint
 
 
 def _triple(numbers: Array) -> Triple:

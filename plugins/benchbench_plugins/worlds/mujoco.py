@@ -92,7 +92,7 @@ class _Running:
         self.held = reference.ball_radius + TIP + TOUCHING
         self.surroundings = Surroundings(mismatch, reference.window[0])
         self.motors = reference.inputs[0, :4].copy()
-        self.gain = (1 + mismatch.thrust) * (1 + mismatch.motor)
+        self.gain = (1 + mismatch.thrust) * (1 + mismatch.motor) * [1 + mismatch.first_motor, 1.0, 1.0, 1.0]
         self.quickness = 1 - math.exp(-STEP / mismatch.motor_lag) if mismatch.motor_lag > 0 else 1.0
         data.ctrl[5] = 1.0
 

@@ -1,0 +1,98 @@
+"""Certified plans flown under every mismatch: the tables of docs/flight.md.
+
+    OMP_NUM_THREADS=1 python benchmarks/flights.py                    # all tables
+    OMP_NUM_THREADS=1 python benchmarks/flights.py residuals --flights 20
+    OMP_NUM_THREADS=1 python benchmarks/flights.py robustness --plan +scenario=static +scenario/contact=approach
+
+Each table plans once and flies that plan; rows differ in what its name says and share the seeds of the mismatch. What is told
+of times is CPU time of one process.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator, Sequence
+
+from benchbench import pipeline
+from benchbench.flight.columns import columns
+from benchbench.planning.case import Case
+from benchbench.run import config
+from benchbench.run.flying import campaign
+
+GENTLE = ("+scenario=circle", "+scenario/contact=approach", "scenario.aim.position=0.6")
+"""The fastest plan that was found to succeed in 59 of 59 flights under lab with an observer."""
+TABLES: dict[str, tuple[tuple[str, ...], ...]] = {
+    "perfect": tuple(("residual=none", "mismatch=none", f"autopilot={a}") for a in ("px4", "torque_ff")),
+    "residuals": tuple((f"residual={r}",) for r in ("none", "constant", "gp", "observer", "gp_observer")),
+    "mismatch": tuple(
+        (f"residual={r}", f"mismatch={m}") for r in ("none", "observer", "gp_observer") for m in ("lab", "lab2x", "windy")
+    ),
+    "payload": tuple(
+        (f"residual={r}", f"payload={p}", "mismatch=none", "autopilot=torque_ff", *ball)
+        for ball in (("rig.ball_mass=0.2", "rig.pull=5"), ("rig=iron",))
+        for r in ("none", "observer")
+        for p in ("ignored", "known", "estimated")
+    ),
+    "robustness": tuple(
+        ("residual=observer", change)
+        for change in (
+            "mismatch.delay=[0.03,0.03]", "mismatch.first_motor=[-0.07,-0.07]", "mismatch.target_late=[0.05,0.05]",
+            "mismatch.blind=[0.3,0.3]", "mismatch.ball_mass=[0.1,0.1]", "mismatch.gust=[0.424,0.424]",
+        )
+    ),
+}  # fmt: skip
+"""Rows of overrides; a gust of 0.424 N along x and along y is one of 0.6 N."""
+ONCE = ("perfect", "payload")
+"""Tables whose world is the same in every flight."""
+
+
+def rows(name: str, plan: Sequence[str], flights: int) -> Iterator[str]:
+    """Yield the lines of a Markdown table."""
+    cfg, chosen = config.composed(*plan)
+    case = config.build(cfg, chosen)
+    assert isinstance(case, Case)
+    run = pipeline.run(case)
+    yield f"`{' '.join(plan)}`: {run.record['travel_time_s']:.4f} s, {'' if run.certificate.certified else 'NOT '}certified\n"
+    yield "| what | success | proved | reasons | before mm | after mm | touch p50 / p95 m/s | command p50 / p99 ms | x real time |"
+    yield "|---|---|---|---|---|---|---|---|---|"
+    for overrides in TABLES[name]:
+        asked = (f"flights={1 if name in ONCE else flights}", *overrides)
+        found = campaign(*config.composed(*plan, *asked))
+        assert found is not None and run.certificate.flight is not None
+        found.check(case.scenario, case.model)
+        _, flown = found.fly(run.result.plan, run.certificate.flight, case.scenario, case.model)
+        yield line(" ".join(overrides), columns(found, flown))
+
+
+def line(what: str, r: dict) -> str:
+    """One row."""
+
+    def number(name: str, factor: float = 1.0, form: str = ".3g") -> str:
+        return "-" if r[name] is None else f"{factor * r[name]:{form}}"
+
+    reasons = ", ".join(f"{name} {count}" for name, count in sorted(r["flight_reasons"].items())) or "-"
+    return (
+        f"| `{what}` | {r['flights_succeeded']}/{r['flights']} | {100 * r['flights_low_exact']:.1f} % | {reasons} "
+        f"| {number('flight_error_before_m', 1e3)} | {number('flight_error_after_m', 1e3)} "
+        f"| {number('flight_touch_p50_mps')} / {number('flight_touch_p95_mps')} "
+        f"| {number('controller_cpu_p50_s', 1e3)} / {number('controller_cpu_p99_s', 1e3)} | {number('real_time_factor')} |"
+    )
+
+
+def main() -> None:
+    """Print the tables that are asked for."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("tables", nargs="*", choices=[*TABLES, []], help="which; all without any")
+    parser.add_argument("--flights", type=int, default=40)
+    parser.add_argument("--plan", nargs="+", default=GENTLE)
+    asked = parser.parse_args()
+    for name in asked.tables or TABLES:
+        print(f"\n### {name}\n", flush=True)
+        for text in rows(name, asked.plan, asked.flights):
+            print(text, flush=True)
+
+
+if __name__ == "__main__":
+    main()
