@@ -2,25 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import lru_cache
+from itertools import pairwise
 from types import SimpleNamespace
 
 import composing
 import numpy as np
 import pytest
 
+from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.check import Check
 from benchbench.certificate.replay import defects
+from benchbench.mpcc.problem import Mpcc, evaluate
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning import posing
 from benchbench.planning.case import Case
-from benchbench.planning.findings import next_step
+from benchbench.planning.disturb import disturbed
+from benchbench.planning.findings import RAISED, Round, Step, next_step
 from benchbench.planning.ladder import climb, coarse, on_grid, rung
 from benchbench.planning.margins import NONE, with_margins
-from benchbench.planning.mesh import halved, marked, steady
+from benchbench.planning.mesh import exceeded, halved, marked, steady
+from benchbench.planning.onward import started, without_error
 from benchbench.planning.result import Result
+from benchbench.transcription.correction import correctable
 from benchbench.transcription.grid import Grid, Phase
 from benchbench.transcription.prolongation import prolongation
 
@@ -118,21 +125,49 @@ def verdict(*checks: tuple[str, float, float]) -> Certificate:
 
 
 def test_a_small_overshoot_takes_a_margin_and_an_error_of_the_grid_a_finer_one() -> None:
-    case = case_of()
+    case, now = case_of(), Round(NONE)
     contact = verdict(("contact_position", 0.021, 0.02))
-    step = next_step(contact, case, NONE, 0.5, True)
+    step = next_step(contact, case, now)
     assert step is not None and not step.finer and 0.05 < step.margins["contact_margin"]["position"] < 0.06
-    step = next_step(contact, case, NONE, 0.5, True, patient=False)
+    step = next_step(contact, case, replace(now, raised=RAISED))
     assert step is not None and step.finer
     for found in (verdict(("defect_angle", 0.03, 0.02)), verdict(("contact_position", 0.04, 0.02))):
-        step = next_step(found, case, NONE, 0.5, True)
-        assert step is not None and step.finer and not step.margins["rate_margin"]
-        assert next_step(found, case, NONE, 0.5, False) is None
+        step = next_step(found, case, now)
+        assert step is not None and step.finer and not step.correct and not step.margins["rate_margin"]
+        assert next_step(found, case, replace(now, may_refine=False)) is None
     ahead = step.margins["contact_margin"]["position"]
     assert ahead == pytest.approx(0.1), "at most a tenth, though the coarse grid would ask for all of it"
     both = verdict(("contact_position", 0.021, 0.02), ("replay_end", 0.03, 0.02))
-    step = next_step(both, case, NONE, 0.5, True)
+    step = next_step(both, case, now)
     assert step is not None and step.finer
+
+
+def test_an_error_of_the_transcription_is_taken_off_before_anything_is_cut() -> None:
+    case, now = case_of(), Round(NONE, correctable=True)
+    step = next_step(verdict(("defect_angle", 0.03, 0.02), ("contact_position", 0.021, 0.02)), case, now)
+    assert step is not None and step.correct and not step.rates and not step.contacts
+    assert 0.05 < step.margins["contact_margin"]["position"] < 0.06, (
+        "margins that are cheap are taken with it"
+    )
+    step = next_step(verdict(("replay_angle", 0.03, 0.02)), case, now)
+    assert step is not None and step.correct and step.rates, "the room is exceeded between nodes"
+    far = verdict(("contact_position", 0.035, 0.02), ("defect_angle", 0.03, 0.02))
+    assert [next_step(far, case, replace(now, corrected=c)).contacts for c in (False, True)] == [False, True]  # type: ignore[union-attr]
+    last = replace(now, may_refine=False, corrected=True)
+    assert next_step(verdict(("defect_angle", 0.03, 0.02)), case, last) is None
+    step = next_step(verdict(("contact_position", 0.021, 0.02)), case, replace(now, corrected=True))
+    assert step is not None and step.correct and not step.finer, "what was corrected stays so with margins"
+
+
+def test_cut_are_intervals_in_contact_and_those_that_a_correction_does_not_reach() -> None:
+    case, found = on_forty()
+    certificate = case.judge(found)
+    first, last = found.plan.contacts[0]
+    near = exceeded(found, certificate, case, Step(NONE, contacts=True), False)
+    assert np.flatnonzero(near).tolist() == list(range(first, last))
+    missed = np.abs(defects(found.plan, case.model.plant()).velocity[:, -1]) > case.limits.defect_rate
+    assert missed.any() and exceeded(found, certificate, case, Step(NONE), True)[missed].all()
+    assert not exceeded(found, certificate, case, Step(NONE), False).any()
 
 
 def test_intervals_are_marked_where_the_replay_found_errors() -> None:
@@ -143,6 +178,85 @@ def test_intervals_are_marked_where_the_replay_found_errors() -> None:
     missed = np.abs(defects(found.plan, case.model.plant()).velocity).max(axis=1)
     assert chosen.any() and chosen[int(np.argmax(missed))]
     assert steady(case) and not steady(composing.case_of("+scenario=race", "vehicle=race_ramp"))
+
+
+# --- deferred correction ------------------------------------------------------------------------------------------
+
+ORDERS = [
+    ("dynamics=verlet",), ("dynamics=verlet", "dynamics.inputs=nodal"), ("dynamics=midpoint",),
+    ("dynamics=lie_verlet", "vehicle=table1_quaternion"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("overrides", ORDERS, ids=" ".join)
+def test_corrected_equations_hold_where_the_flown_interval_ends(overrides: tuple[str, ...]) -> None:
+    """Whatever the plan: each equation, read with the flown end of its interval, leaves what stands on its right-hand side."""
+    holds_where_it_is_flown(case_of("scenario.intervals=16", *overrides))
+
+
+def test_corrected_steps_of_a_race_hold_where_they_are_flown() -> None:
+    holds_where_it_is_flown(
+        composing.case_of(
+            "+scenario=race", "scenario.gates=2", "scenario.nodes_per_gate=5", "dynamics=rk4", "compile=never"
+        )
+    )
+
+
+def holds_where_it_is_flown(case: Case) -> None:
+    problem = posing.phases(case, disturbed(posing.line(case), case, 3))
+    plant, mpcc = case.model.plant(), without_error(problem, case.model.plant()).mpcc
+    values = problem.mpcc.split(problem.mpcc.guess)
+    plan = problem.decode(values)
+    moved = [name for name, b, c in shifts(problem.mpcc, mpcc) if np.any(b != c)]
+    assert moved == list(problem.trajectory.equations)  # type: ignore[attr-defined]
+    ends = defects(plan, plant)
+    for k in range(plan.intervals):  # one interval at a time, with its own end in place of the next node
+        one = {name: rows.copy() for name, rows in values.items()}
+        one["q"][k + 1] += ends.configuration[k]
+        one["v"][k + 1] += ends.velocity[k]
+        x = np.concatenate([one[v.name].ravel() for v in mpcc.variables])
+        for block in (b for b in mpcc.constraints if b.name in moved):
+            np.testing.assert_allclose(evaluate(block, mpcc, x)[k], block.upper[k], atol=1e-9)
+
+
+def shifts(mpcc: Mpcc, other: Mpcc) -> Iterator[tuple[str, Array, Array]]:
+    for one, two in zip(mpcc.constraints, other.constraints, strict=True):
+        assert one.function is two.function and np.array_equal(two.upper - two.lower, one.upper - one.lower)
+        yield one.name, one.upper, two.upper
+
+
+def test_repeated_corrections_take_the_error_away() -> None:
+    """On the same grid, each by more than half; margins and nodes stay as they are."""
+    case, found = on_forty()
+    plant = case.model.plant()
+    errors = [np.abs(defects(found.plan, plant).velocity).max()]
+    for _ in range(3):
+        found = rung(case, Ledger(60.0), found.plan, found, True)
+        assert found.claimed and found.plan.intervals == 40
+        errors.append(np.abs(defects(found.plan, plant).velocity).max())
+    assert all(b < a / 2 for a, b in pairwise(errors)) and errors[-1] < errors[0] / 50
+
+
+def test_a_transcription_with_stages_is_not_corrected() -> None:
+    case = case_of("scenario.intervals=16", "dynamics=collocation")
+    problem = posing.phases(case, posing.line(case))
+    assert not correctable(problem.trajectory) and without_error(problem, case.model.plant()) is problem
+
+
+def test_a_finer_problem_starts_where_the_solved_one_ended() -> None:
+    """Durations and states at its nodes, and between them what is flown."""
+    case, found = on_forty()
+    fine = replace(case, mesh=halved(found.problem.trajectory.grid, np.ones(40, bool)))
+    problem = started(posing.phases(fine, found.plan), found, case.model.plant())
+    plan = problem.decode(problem.mpcc.split(problem.mpcc.guess))
+    np.testing.assert_allclose(plan.time[::2], found.plan.time, atol=1e-12)
+    np.testing.assert_allclose(plan.configuration[::2], found.plan.configuration, atol=1e-9)
+    limits = case.scenario.planned_rates(case.model)
+    within = np.all(
+        (plan.velocity > limits.lower) & (plan.velocity < limits.upper), axis=1
+    )  # guesses are clipped
+    missed = defects(plan, case.model.plant()).velocity[::2][within[1::2]]
+    assert len(missed) > 10 and np.abs(missed).max() < 1e-6, "from a node to the middle it flies"
 
 
 # --- the loop -----------------------------------------------------------------------------------------------------

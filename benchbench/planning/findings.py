@@ -1,56 +1,97 @@
-"""From what the certificate found to what the planner does next: margins, a finer grid, or nothing that would help."""
+"""From what the certificate found to what the planner does next: margins, the error of the transcription taken off, a finer grid."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.check import Check
 from benchbench.planning.case import Case
 from benchbench.planning.margins import NONE, Margins, largest, taken_back
 
-CHEAP = {"rate_margin": 0.05, "contact_margin": 0.5}
+CHEAP = {"rate_margin": 0.02, "contact_margin": 0.5}
 """Share of a limit up to which a margin is taken rather than a finer grid.
 
 On `circle` 1 % of the arm's rate costs 1 to 2 ms of travel time, 1 % of the distance in contact 0.05 ms.
 """
 AHEAD = 0.1
 """Largest margin of a contact that a finer grid starts with."""
+RAISED = 2
+"""How often margins are raised on one grid while there may be a finer one: what is exceeded even then comes back by less and less."""
+HOPELESS = 1.5
+"""Margin of a contact for which its intervals are cut even where the error of the transcription may be the reason."""
+
+
+@dataclass(frozen=True)
+class Round:
+    """One round of the loop: the margins that its plan was made with, and what may be done on its grid.
+
+    least       margins that any plan is made with
+    most        largest margin of all
+    may_refine  whether there may be a finer grid
+    raised      how often margins were raised on this grid
+    correctable, corrected  whether the error of the transcription may be taken off its equations, and whether it was
+    """
+
+    margins: Margins
+    least: Margins = field(default_factory=lambda: NONE)
+    most: float = 0.5
+    may_refine: bool = True
+    raised: int = 0
+    correctable: bool = False
+    corrected: bool = False
 
 
 @dataclass(frozen=True)
 class Step:
-    """What to do next: solve on a finer grid, or on the same one with these margins."""
+    """What to do next: solve with these margins, on a finer grid or on the same.
 
-    finer: bool
+    correct   take the error of the transcription off its equations
+    finer     cut intervals: without `correct` those with errors
+    rates, contacts  with `correct`: cut those in which rates or the room are exceeded, and those in contact
+    """
+
     margins: Margins
+    finer: bool = False
+    correct: bool = False
+    rates: bool = False
+    contacts: bool = False
 
 
-def next_step(
-    found: Certificate,
-    case: Case,
-    margins: Margins,
-    most: float,
-    may_refine: bool,
-    least: Margins = NONE,
-    patient: bool = True,
-) -> Step | None:
+def next_step(found: Certificate, case: Case, now: Round) -> Step | None:
     """Return what may cure all that the certificate found; None where nothing will.
 
     Margins of up to `CHEAP` are taken where margins alone cure it: the transcription of the planned flight is right, its
-    limits are passed between the nodes. Errors of the transcription and larger margins ask for a finer grid, and where
-    there may be none for margins of up to `most`.
-
-    margins: those that the plan was made with; least: those that any plan is made with; patient: whether margins may be
-    raised on this grid once more.
+    limits are passed between the nodes. For errors of the transcription they are taken off its equations where that can be,
+    and intervals are cut only where limits are passed between nodes by more than a cheap margin; else the grid is refined
+    where the errors are. Where there may be no finer grid margins of up to `most` are taken.
     """
-    raised = taken_back(margins, found, case)
-    curable = (
-        raised != margins and largest(raised) <= most and all(_by_margin(check) for check in found.broken)
-    )
-    if curable and ((patient and _cheap(raised)) or not may_refine):
-        return Step(False, raised)
-    return Step(True, _ahead(raised, least, most)) if may_refine else None
+    raised = taken_back(now.margins, found, case)
+    by_margins = raised != now.margins and largest(raised) <= now.most
+    curable = by_margins and all(_by_margin(check) for check in found.broken)
+    if curable and (not now.may_refine or (now.raised < RAISED and _cheap(raised))):
+        return Step(raised, correct=now.corrected)
+    if now.correctable:
+        return _corrected(found, raised, now)
+    return Step(_ahead(raised, now.least, now.most), finer=True) if now.may_refine else None
+
+
+def _corrected(found: Certificate, raised: Margins, now: Round) -> Step | None:
+    """Take the error of the transcription off, cut what margins do not cure, and take the margins that are cheap."""
+    rates, contacts = raised["rate_margin"], raised["contact_margin"]
+    most = {kind: min(share, now.most) if now.may_refine else now.most for kind, share in CHEAP.items()}
+    fast = max(rates.values(), default=0.0) > most["rate_margin"]
+    near = max(contacts.values(), default=0.0) > (most["contact_margin"] if now.corrected else HOPELESS)
+    room = any(check.name in ("replay_position", "replay_angle") for check in found.broken)
+    if near:
+        contacts = _ahead(raised, now.least, now.most)["contact_margin"]
+    margins = {
+        "rate_margin": now.margins["rate_margin"] if fast else rates,
+        "contact_margin": {name: min(share, most["contact_margin"]) for name, share in contacts.items()},
+    }
+    if not now.may_refine and now.corrected and margins == now.margins:
+        return None
+    return Step(margins, now.may_refine, True, rates=fast or room, contacts=near)
 
 
 def _ahead(raised: Margins, least: Margins, most: float) -> Margins:

@@ -11,6 +11,7 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
 from benchbench.planning.case import Case
+from benchbench.planning.onward import started, without_error
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import pose
 
@@ -34,10 +35,18 @@ def on_grid(case: Case, intervals: int) -> Case:
     return case if scenario is None else replace(case, scenario=scenario)
 
 
-def rung(case: Case, ledger: Ledger, start: Plan, below: Result | None = None) -> Result:
-    """Solve phases from a plan, with the multipliers of a solved grid below; once more without them if that fails."""
+def rung(
+    case: Case, ledger: Ledger, start: Plan, below: Result | None = None, correct: bool = False
+) -> Result:
+    """Solve phases from a plan, with the multipliers of a solved grid below; once more without them if that fails.
+
+    correct: with the error of the transcription taken off its equations, as it is at the start.
+    """
     with ledger.building():
         problem = posing.phases(case, start)
+        plant = case.model.plant()
+        problem = problem if below is None else started(problem, below, plant)
+        problem = without_error(problem, plant) if correct else problem
     name = f"N = {problem.trajectory.grid.intervals}"
     if below is None:
         return pose(problem, case, ledger, name)

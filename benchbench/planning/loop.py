@@ -9,18 +9,16 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
-from benchbench.planning.findings import next_step
+from benchbench.planning.findings import Round, Step, next_step
 from benchbench.planning.ladder import climb, on_grid, rung
-from benchbench.planning.margins import NONE, Margins, own_margins, with_margins
-from benchbench.planning.mesh import halved, marked, steady
+from benchbench.planning.margins import NONE, own_margins, with_margins
+from benchbench.planning.mesh import exceeded, halved, marked, steady
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge
+from benchbench.transcription.correction import correctable
 
 ROUNDS = 10
 """Solves that may follow the first one from a start."""
-
-RAISED = 2
-"""How often margins are raised on one grid while there may be a finer one: what is exceeded even then comes back by less and less."""
 
 Refinement = Literal["local", "uniform"]
 
@@ -31,6 +29,7 @@ class Loop:
 
     margin      0: those of the scenario instead of measured ones
     refinement  where a grid is refined: in the intervals in which the replay found errors, or everywhere
+    correction  whether the error of the transcription is taken off its equations where that can be
     told        what each round gave, in words
     tried       each result, with its certificate where it claims success
     """
@@ -40,6 +39,7 @@ class Loop:
     finest: int
     margin: float
     refinement: Refinement = "local"
+    correction: bool = True
     told: list[str] = field(default_factory=list)
     tried: list[tuple[Result, Certificate | None]] = field(default_factory=list)
 
@@ -52,31 +52,35 @@ class Loop:
     def certifies(self, case: Case, start: Plan) -> bool:
         """Plan from one start until the certificate accepts; returns whether it does."""
         least = NONE if self.margin else own_margins(case.scenario)
-        level, margins = with_margins(case, least), least
-        found, raised = climb(level, self.ledger, start), 0
+        now, level = Round(least, least, self.margin), with_margins(case, least)
+        found = climb(level, self.ledger, start)
         for left in reversed(range(ROUNDS + 1)):
             certificate = judge(found, self.case, self.ledger) if found.claimed else None
             self.tried.append((found, certificate))
-            self.told.append(_sentence(found, certificate, margins))
+            self.told.append(_sentence(found, certificate, now))
             if certificate is None or certificate.certified or self.ledger.over or not left:
                 break
-            may_refine, patient = found.plan.intervals < self.finest, raised < RAISED
-            step = next_step(certificate, level, margins, self.margin, may_refine, least, patient)
+            able = self.correction and correctable(found.problem.trajectory)
+            now = replace(now, may_refine=found.plan.intervals < self.finest, correctable=able)
+            step = next_step(certificate, level, now)
             if step is None:
                 break
-            raised = 0 if step.finer else raised + 1
-            if step.finer:
-                level = self._finer(level, found, certificate)
-            margins = step.margins
-            level = with_margins(level, margins)
-            found = rung(level, self.ledger, found.plan, found)
+            finer = self._finer(level, found, certificate, step, now) if step.finer else level
+            raised = now.raised + 1 if finer is level else 0
+            now = replace(now, margins=step.margins, raised=raised, corrected=step.correct)
+            level = with_margins(finer, step.margins)
+            found = rung(level, self.ledger, found.plan, found, step.correct)
         return certificate is not None and certificate.certified
 
-    def _finer(self, level: Case, found: Result, certificate: Certificate) -> Case:
-        """The case on the next grid."""
+    def _finer(self, level: Case, found: Result, certificate: Certificate, step: Step, now: Round) -> Case:
+        """The case on the next grid; the same one where no interval has to be cut."""
+        chosen = exceeded(found, certificate, level, step, now.corrected) if step.correct else None
+        if chosen is not None and not chosen.any() and (not now.corrected or step.margins != now.margins):
+            return level
+        if chosen is None or not chosen.any():
+            chosen = marked(found.plan, certificate, level)
         if self.refinement == "local" and steady(level):
-            grid = found.problem.trajectory.grid
-            return replace(level, mesh=halved(grid, marked(found.plan, certificate, level)))
+            return replace(level, mesh=halved(found.problem.trajectory.grid, chosen))
         return on_grid(level, 2 * level.scenario.grid_intervals)
 
 
@@ -84,10 +88,11 @@ def _broken(certificate: Certificate | None) -> int:
     return len(certificate.broken) if certificate else 10**6
 
 
-def _sentence(found: Result, certificate: Certificate | None, margins: Margins) -> str:
-    given = {**margins["rate_margin"], **margins["contact_margin"]}
+def _sentence(found: Result, certificate: Certificate | None, now: Round) -> str:
+    given = {**now.margins["rate_margin"], **now.margins["contact_margin"]}
     told = ", ".join(f"{name} {share:.2%}" for name, share in given.items())
-    at = f"N = {found.plan.intervals}" + (f", margins {told}" if told else "")
+    at = f"N = {found.plan.intervals}" + (", corrected" if now.corrected else "")
+    at += f", margins {told}" if told else ""
     if certificate is None:
         return f"{at}: {found.solved.outcome.claim}"
     verdict = "certified" if certificate.certified else certificate.reasons[0]

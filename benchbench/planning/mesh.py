@@ -11,10 +11,14 @@ from benchbench.certificate.limited import Limited
 from benchbench.certificate.replay import Defects, defects
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
+from benchbench.planning.findings import Step
+from benchbench.planning.result import Result
 from benchbench.transcription.grid import Grid, Mesh
 
 MARKED = 0.3
 """An interval is halved where its error exceeds this share of what the certificate allows."""
+EXCEEDED = 0.4
+"""The same for what is exceeded between nodes, where margins are not cheap."""
 LEFT = 1 / 8
 """What remains of the defect of an interval of a method of second order that is halved."""
 AIM = 0.7
@@ -36,6 +40,21 @@ def marked(plan: Plan, found: Certificate, case: Case) -> Flags:
         enough = int(np.searchsorted(np.cumsum(missed[largest]), share * missed.sum())) + 1
         chosen[largest[:enough]] = True
     return chosen if 0 < chosen.mean() <= MOST else np.ones(plan.intervals, bool)
+
+
+def exceeded(result: Result, found: Certificate, case: Case, step: Step, corrected: bool) -> Flags:
+    """Tell which intervals to cut, (N,), of a plan whose transcription's error is taken off: perhaps none.
+
+    Those in which rates or the room are exceeded, and those in contact, as the step says; and those whose error is still beyond
+    its limit after it was taken off, since it changes much from plan to plan there.
+    """
+    plan = result.plan
+    chosen = _overshoot(plan, found, case) > EXCEEDED if step.rates else np.zeros(plan.intervals, bool)
+    if corrected:
+        chosen |= _defects(plan, defects(plan, case.model.plant()), case) > 1.0
+    for first, last in plan.contacts if step.contacts else ():
+        chosen[first:last] = True
+    return np.asarray(chosen)
 
 
 def steady(case: Case) -> bool:

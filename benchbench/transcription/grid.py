@@ -99,5 +99,8 @@ class Trajectory(Protocol):
     def decode(self, values: dict[str, Array], progress: Array) -> Plan:
         """Turn named values of the unknowns into a plan."""
 
-    def encode(self, plan: Plan) -> dict[str, Array]:
-        """Turn any plan into guesses for the unknowns: sampled at equal fractions of each phase."""
+    def encode(self, plan: Plan, durations: Array | None = None) -> dict[str, Array]:
+        """Turn any plan into guesses for the unknowns, sampled at this grid's nodes.
+
+        durations: of the phases (phases,), s; without them the plan's travel time is spread over them as they are guessed.
+        """

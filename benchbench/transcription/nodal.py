@@ -29,6 +29,7 @@ class NodalTrajectory:
 
     velocities "nodal": the velocity of node k is v_k. "mean": it is (q_{k+1} - q_k) / h_k, as the paper
     limits it; the last node has none.
+    equations: names of the blocks that are the equations of motion, where they read nothing but nodes and inputs.
     """
 
     grid: Grid
@@ -36,6 +37,7 @@ class NodalTrajectory:
     interpolation: Interpolation
     velocities: Velocities = "nodal"
     control_points: int = 1
+    equations: tuple[str, ...] = ()
 
     @property
     def node(self) -> Node:
@@ -66,10 +68,11 @@ class NodalTrajectory:
             velocity=values["v"], inputs=values["u"], progress=progress, interpolation=self.interpolation,
         )  # fmt: skip
 
-    def encode(self, plan: Plan) -> dict[str, Array]:
+    def encode(self, plan: Plan, durations: Array | None = None) -> dict[str, Array]:
         """Sample a plan at this grid's nodes, its travel time spread over the phases as they are guessed."""
-        duration = np.array([phase.guess for phase in self.grid.phases])
-        duration *= plan.travel_time / duration.sum()
+        duration = np.array([phase.guess for phase in self.grid.phases] if durations is None else durations)
+        if durations is None:
+            duration *= plan.travel_time / duration.sum()
         time = self.grid.time_weights @ duration
         return {
             "q": _sample(plan.time, plan.configuration, time),

@@ -131,9 +131,9 @@ class StageTrajectory:
         """Turn named values into a plan of the nodes."""
         return self.nodal.decode(values, progress)
 
-    def encode(self, plan: Plan) -> dict[str, Array]:
+    def encode(self, plan: Plan, durations: Array | None = None) -> dict[str, Array]:
         """Interpolate the plan at nodes and stages."""
-        values = self.nodal.encode(plan)
+        values = self.nodal.encode(plan, durations)
         time = self.grid.time_weights @ values["T"].ravel()
         h, c = np.diff(time)[:, None], self.stages.tableau.c
         at = (time[:-1, None] + h * c[self.stages.inner]).ravel()

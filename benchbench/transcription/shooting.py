@@ -44,7 +44,7 @@ def transcribe(
     variables = nodal_variables(scenario, model, grid, count)
     mpcc = Mpcc(variables, (block,), cost(scenario, model, grid, count)) + total_time(scenario, grid)
     mpcc += output_limits(scenario, model, grid)
-    return mpcc, NodalTrajectory(grid, model, "hold" if held else "linear")
+    return mpcc, NodalTrajectory(grid, model, "hold" if held else "linear", equations=(block.name,))
 
 
 def step(

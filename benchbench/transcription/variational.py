@@ -72,7 +72,8 @@ def transcribe(
     limits = () if velocity == "nodal" else (_mean_limits(scenario.planned_rates(model), model, grid),)
     mpcc = Mpcc(variables, (*legendre, *places, *limits), cost(scenario, model, grid, input_rows))
     mpcc += output_limits(scenario, model, grid)
-    trajectory = NodalTrajectory(grid, model, "hold" if held else "linear", velocity)
+    equations = tuple(block.name for block in legendre)
+    trajectory = NodalTrajectory(grid, model, "hold" if held else "linear", velocity, equations=equations)
     return mpcc + total_time(scenario, grid), trajectory
 
 

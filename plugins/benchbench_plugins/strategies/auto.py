@@ -25,6 +25,7 @@ class Auto(Strategy):
     finer       a grid is refined as long as it has fewer than so many times the intervals of the scenario
     margin      largest share of a limit left unused because the replay exceeded it between nodes
     refinement  local: a grid is refined where the replay found errors; uniform: everywhere
+    correction  errors of the transcription are taken off its equations, on the same grid (deferred correction), rather than refined
     starts      how many starts are tried until one is certified
     patience    iterations granted to a solve that is not the last start's: a good start needs a tenth of that
     """
@@ -32,12 +33,14 @@ class Auto(Strategy):
     finer: Annotated[int, Field(ge=1, le=64)] = 8
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
     refinement: Refinement = "local"
+    correction: bool = True
     starts: Tries = 4
     patience: Tries = 400
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
         """Return the first certified result; without one that with the fewest broken limits."""
-        loop = Loop(case, ledger, self.finer * case.scenario.grid_intervals, self.margin, self.refinement)
+        finest = self.finer * case.scenario.grid_intervals
+        loop = Loop(case, ledger, finest, self.margin, self.refinement, self.correction)
         guessed = case.guess.plan(case, ledger)
         for attempt in range(self.starts):
             last = attempt == self.starts - 1
