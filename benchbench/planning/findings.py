@@ -48,7 +48,8 @@ class Step:
 
     correct   take the error of the transcription off its equations
     finer     cut intervals: without `correct` those with errors
-    rates, contacts  with `correct`: cut those in which rates or the room are exceeded, and those in contact
+    contacts  cut those in contact, too
+    rates     with `correct`: cut those in which rates or the room are exceeded
     """
 
     margins: Margins
@@ -73,7 +74,9 @@ def next_step(found: Certificate, case: Case, now: Round) -> Step | None:
         return Step(raised, correct=now.corrected)
     if now.correctable:
         return _corrected(found, raised, now)
-    return Step(_ahead(raised, now.least, now.most), finer=True) if now.may_refine else None
+    if not now.may_refine:
+        return None
+    return Step(_ahead(raised, now.least, now.most), finer=True, contacts=_bent(found, now))
 
 
 def _corrected(found: Certificate, raised: Margins, now: Round) -> Step | None:
@@ -82,6 +85,7 @@ def _corrected(found: Certificate, raised: Margins, now: Round) -> Step | None:
     most = {kind: min(share, now.most) if now.may_refine else now.most for kind, share in CHEAP.items()}
     fast = max(rates.values(), default=0.0) > most["rate_margin"]
     near = max(contacts.values(), default=0.0) > (most["contact_margin"] if now.corrected else HOPELESS)
+    near |= _bent(found, now)
     room = any(check.name in ("replay_position", "replay_angle") for check in found.broken)
     if near:
         contacts = _ahead(raised, now.least, now.most)["contact_margin"]
@@ -92,6 +96,11 @@ def _corrected(found: Certificate, raised: Margins, now: Round) -> Step | None:
     if not now.may_refine and now.corrected and margins == now.margins:
         return None
     return Step(margins, now.may_refine, True, rates=fast or room, contacts=near)
+
+
+def _bent(found: Certificate, now: Round) -> bool:
+    """Whether a contact is still broken after margins were raised: in between its nodes, where margins do not reach."""
+    return now.raised >= RAISED and any(check.name.startswith("contact_") for check in found.broken)
 
 
 def _ahead(raised: Margins, least: Margins, most: float) -> Margins:

@@ -12,7 +12,7 @@ from benchbench.planning.case import Case
 from benchbench.planning.findings import Round, Step, next_step
 from benchbench.planning.ladder import climb, on_grid, rung
 from benchbench.planning.margins import NONE, own_margins, with_margins
-from benchbench.planning.mesh import exceeded, halved, marked, steady
+from benchbench.planning.mesh import exceeded, halved, marked, steady, touching
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge
 from benchbench.transcription.correction import correctable
@@ -79,6 +79,7 @@ class Loop:
             return level
         if chosen is None or not chosen.any():
             chosen = marked(found.plan, certificate, level)
+            chosen = chosen | touching(found.plan) if step.contacts else chosen
         if self.refinement == "local" and steady(level):
             return replace(level, mesh=halved(found.problem.trajectory.grid, chosen))
         return on_grid(level, 2 * level.scenario.grid_intervals)

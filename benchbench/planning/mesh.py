@@ -52,9 +52,15 @@ def exceeded(result: Result, found: Certificate, case: Case, step: Step, correct
     chosen = _overshoot(plan, found, case) > EXCEEDED if step.rates else np.zeros(plan.intervals, bool)
     if corrected:
         chosen |= _defects(plan, defects(plan, case.model.plant()), case) > 1.0
-    for first, last in plan.contacts if step.contacts else ():
+    return np.asarray(chosen | touching(plan)) if step.contacts else np.asarray(chosen)
+
+
+def touching(plan: Plan) -> Flags:
+    """Tell which intervals are in contact from end to end, (N,)."""
+    chosen = np.zeros(plan.intervals, bool)
+    for first, last in plan.contacts:
         chosen[first:last] = True
-    return np.asarray(chosen)
+    return chosen
 
 
 def steady(case: Case) -> bool:
