@@ -9,7 +9,7 @@ from pathlib import Path
 
 from benchbench import __version__
 from benchbench.errors import BadInput, BenchBenchError, unknown_choice
-from benchbench.run.choices import FAMILIES, choices
+from benchbench.run.choices import FAMILIES, FLYING, choices
 from benchbench.run.telling import complain, usage
 
 DONE, BAD_INPUT = 0, 2
@@ -20,7 +20,7 @@ LONG = (
 """All long options: Hydra's, and two of ours."""
 ELSEWHERE = ("-m", "--multirun", "-cp", "--config-path", "-cn", "--config-name", "--experimental-rerun")
 """Options with which choices are not looked at here: several at a time, or from another configuration."""
-CHOICE = re.compile(rf"(\+scenario|{'|'.join(FAMILIES[1:])}|peer)=(\w+)")
+CHOICE = re.compile(rf"(\+scenario|{'|'.join((*FAMILIES[1:], *FLYING))}|peer)=(\w+)")
 
 
 def answer(arguments: Sequence[str]) -> int | None:
@@ -46,7 +46,7 @@ def _answer(arguments: Sequence[str]) -> int | None:
     own = _own(arguments)
     asked = "--help" in arguments or "-h" in arguments
     if asked or not arguments:
-        print(usage({family: choices(family, *own) for family in FAMILIES}))
+        print(usage({family: choices(family, *own) for family in (*FAMILIES, *FLYING)}))
         sys.stdout.flush()
     if asked:
         return DONE

@@ -21,6 +21,7 @@ from benchbench.nlp.solver import Accuracy, Setup
 from benchbench.ocp.kinds import OWN as OWN_KINDS
 from benchbench.run import config
 from benchbench.run.choice import choice
+from benchbench.run.choices import FLYING
 
 OWN = "benchbench"
 
@@ -46,7 +47,7 @@ def listing(arguments: Sequence[str]) -> Iterator[str]:
         yield from _everything()
         return
     family, _, name = arguments[0].partition("=")
-    if family not in (*config.FAMILIES, "peer") or name not in config.choices(family):
+    if family not in (*config.FAMILIES, "peer", *FLYING) or name not in config.choices(family):
         raise BadInput(
             "plugins", f"'{arguments[0]}' does not exist", " ".join(f"{f}=NAME" for f in config.FAMILIES)
         )
@@ -58,7 +59,7 @@ def listing(arguments: Sequence[str]) -> Iterator[str]:
 
 def _everything() -> Iterator[str]:
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
-        found = {family: _family(family) for family in (*config.FAMILIES, "peer")}
+        found = {family: _family(family) for family in (*config.FAMILIES, "peer", *FLYING)}
     found |= {family: _registered(family) for family in ("contacts", "motions", "task_families")}
     found["scenarios"] = [*_own_kinds(), *_registered("scenarios")]
     widths = tuple(

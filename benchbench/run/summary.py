@@ -49,7 +49,11 @@ def show_line(number: int, record: Mapping[str, Any], combination: str) -> None:
     found = _number(record["travel_time_s"], ".4f", "s") if timed else f"f = {record['objective']:.6g}"
     line = Text(f"{number:>4}  ") + Text(f"{verdict:<20}", "green" if record["certified"] else "red")
     gap = "" if record["gap_percent"] is None else f"{record['gap_percent']:+.3f} %"
-    line += Text(f"  {found:>9}  {gap:>10}  ", "bold green" if new_best(record) else "") + Text(combination)
+    flown = (
+        "" if record["flights"] is None else f"{record['flights_succeeded']}/{record['flights']} flights  "
+    )
+    line += Text(f"  {found:>9}  {gap:>10}  ", "bold green" if new_best(record) else "")
+    line += Text(flown) + Text(combination)
     if console.is_terminal:
         line.truncate(console.width, overflow="ellipsis")
     console.print(line, soft_wrap=True)

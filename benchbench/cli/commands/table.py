@@ -19,6 +19,8 @@ SHORT = (
     "travel_time_s", "gap_percent", "iterations", "solve_cpu_s", "replay_defect_position_m",
 )  # fmt: skip
 """Columns that fit on a page, for the formats people read."""
+FLOWN = ("residual", "mismatch", "flights", "flights_succeeded", "flights_low_exact", "flight_error_before_m")
+"""Those beside them where plans were flown."""
 READ_BY_PEOPLE = ("markdown", "latex")
 
 EXAMPLES = """examples
@@ -46,7 +48,8 @@ def run(arguments: Sequence[str]) -> int:
         complain("left out", f"{path}: {problem}")
     rows = found.rows if asked.query is None else query(found.rows, asked.query)
     short = kind in READ_BY_PEOPLE and asked.query is None
-    rows = _choose(rows, asked.columns or (",".join(SHORT) if short else "all"))
+    flown = short and rows["flights"].null_count < rows.num_rows
+    rows = _choose(rows, asked.columns or (",".join(SHORT + (FLOWN if flown else ())) if short else "all"))
     data = WRITERS[kind](rows)
     if asked.output:
         write_bytes(asked.output, data)
