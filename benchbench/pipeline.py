@@ -12,6 +12,7 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.flight.campaign import Campaign
 from benchbench.flight.columns import Flights, flights
 from benchbench.nlp.ledger import Ledger, Watch
+from benchbench.ocp.airframe import airframe_of
 from benchbench.planning import columns
 from benchbench.planning.case import AnyCase, Case
 from benchbench.planning.result import Result
@@ -102,6 +103,9 @@ def write(done: Run, folder: Path, table: Path, config: str, picture: bool = Tru
                 paths["flights"] = folder / FLIGHTS
                 write_bytes(paths["flights"], done.flights.table.encode())
             paths |= {"picture": _draw(done, done.case, folder)} if picture else {}
+            paths |= (
+                {"flights_picture": _draw_flights(done.flights, folder)} if picture and done.flights else {}
+            )
         else:
             solution = done.result.mpcc.split(done.result.solved.x)
             paths["solution"] = write_solution(folder, solution)
@@ -130,6 +134,16 @@ def _draw(done: Run, case: Case, folder: Path) -> Path:
     return path
 
 
+def _draw_flights(flights: Flights, folder: Path) -> Path:
+    from benchbench.report.flights import draw_flights
+    from benchbench.storage.files import FLIGHTS_PICTURE
+
+    told, path = flights.columns, folder / FLIGHTS_PICTURE
+    title = f"{told['flights_succeeded']} of {told['flights']} flights succeed: {told['residual']}, {told['mismatch']}"
+    draw_flights(path, flights.reference, flights.flown, flights.airframe, flights.limits, title)
+    return path
+
+
 def _fly(
     campaign: Campaign | None, case: AnyCase, result: Result, certificate: Certificate, watch: Watch | None
 ) -> Flights | None:
@@ -146,7 +160,8 @@ def _fly(
         if watch:
             watch.stage(f"flight {number} of {count}", None)
 
-    return flights(campaign, *campaign.fly(result.plan, certificate.flight, case.scenario, case.model, hear))
+    reference, flown = campaign.fly(result.plan, certificate.flight, case.scenario, case.model, hear)
+    return flights(campaign, airframe_of(case.model), reference, flown)
 
 
 def _again(case: AnyCase, watch: Watch | None) -> Ledger:

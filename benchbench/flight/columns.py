@@ -14,9 +14,11 @@ import numpy as np
 from benchbench.analysis.wilson import wilson
 from benchbench.arrays import Array
 from benchbench.flight.campaign import Campaign, Flown
+from benchbench.flight.limits import FlightLimits
 from benchbench.flight.loop import Log
 from benchbench.flight.reference import Reference
 from benchbench.flight.world import STEP
+from benchbench.ocp.airframe import Airframe
 
 CONFIDENCE = 0.95
 """Of every bound."""
@@ -26,17 +28,21 @@ NAMES = ("world", "controller", "autopilot", "residual", "payload", "mismatch", 
 
 @dataclass(frozen=True)
 class Flights:
-    """All flights of a plan, what the record says of them, and their table as CSV."""
+    """All flights of a plan, what they were judged by, what the record says of them, and their table as CSV."""
 
+    airframe: Airframe
+    limits: FlightLimits
     reference: Reference
     flown: Sequence[Flown]
     columns: dict[str, Any]
     table: str
 
 
-def flights(campaign: Campaign, reference: Reference, flown: Sequence[Flown]) -> Flights:
+def flights(campaign: Campaign, airframe: Airframe, reference: Reference, flown: Sequence[Flown]) -> Flights:
     """Return flights with what is said of them."""
-    return Flights(reference, flown, columns(campaign, flown), table(reference, flown))
+    return Flights(
+        airframe, campaign.limits, reference, flown, columns(campaign, flown), table(reference, flown)
+    )
 
 
 def exact_bound(successes: int, runs: int) -> float:

@@ -44,6 +44,13 @@ class Airframe:
         return self.mass + self.arm_mass
 
 
+def airframe_of(model: Model) -> Airframe:
+    """Return a model's airframe; raises TypeError where it has none, which is told before anything is flown."""
+    if not isinstance(model, FlownModel):
+        raise TypeError(f"{type(model).__name__} is no FlownModel")
+    return model.airframe
+
+
 class FlownModel(Model):
     """A model of a vehicle that a world can be made of; its inputs are four motor forces and the servo's torque."""
 

@@ -15,13 +15,14 @@ from typing import Any
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
 
-RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS = (
+RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS, FLIGHTS_PICTURE = (
     "record.json",
     "plan.mcap",
     "solution.json",
     "plan.png",
     "config.yaml",
     "flights.csv",
+    "flights.png",
 )
 TEMPORARY_SUFFIX = ".tmp"
 DEPTH, LONGEST = 4, 150
@@ -82,7 +83,7 @@ def vacate(folder: Path) -> None:
     """
     if folder.is_symlink() or folder.is_file():
         _remove(folder)
-    for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS):
+    for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS, FLIGHTS_PICTURE):
         _remove(folder / name)
 
 
