@@ -9,6 +9,7 @@ from benchbench.certificate.replay import Replay
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.flight.autopilot import Autopilot
 from benchbench.flight.controller import Controller, Known
+from benchbench.flight.errand import errand
 from benchbench.flight.from_plan import reference_of
 from benchbench.flight.judge import Verdict, judge
 from benchbench.flight.limits import FlightLimits
@@ -21,8 +22,7 @@ from benchbench.flight.rig import Rig
 from benchbench.flight.sensors import Sensors
 from benchbench.flight.training import training_reference
 from benchbench.flight.world import World
-from benchbench.ocp.airframe import Airframe, FlownModel
-from benchbench.ocp.handover import Handover
+from benchbench.ocp.airframe import Airframe, FlownModel, airframe_of
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
@@ -62,29 +62,26 @@ class Campaign:
 
     def check(self, scenario: object, model: object) -> None:
         """Raise BadInput, or IncompatibleCase, for what cannot be flown."""
-        if not isinstance(scenario, Handover) or len(scenario.itinerary.stops) != 1:
-            allowed = "a handover with one target, or flights=0"
-            raise IncompatibleCase("flights", f"'{_name(scenario)}' is no handover with one target", allowed)
+        task = errand(scenario)
         if not isinstance(model, FlownModel):
-            problem = f"no world can be made of '{_name(model)}'"
+            name = getattr(model, "name", type(model).__name__)
+            problem = f"no world can be made of '{name}'"
             raise IncompatibleCase("vehicle", problem, "table1, table2, or flights=0")
         _check_motors(self.rig, model.airframe)
-        nearest = min((c.limit for n, c in scenario.contacts.items() if n == "position"), default=0.0)
-        if scenario.magnet_reach < nearest:
-            problem = f"{scenario.magnet_reach:g} m is less than the plan's contact may be away"
-            raise BadInput("scenario.magnet_reach", problem, f"at least {nearest:g} m")
+        if task.reach < task.farthest:
+            problem = f"{task.reach:g} m is less than the plan's contact may be away"
+            raise BadInput("scenario.magnet_reach", problem, f"at least {task.farthest:g} m")
 
     def fly(
         self, plan: Plan, replay: Replay, scenario: Scenario, model: Model, hear: Callable[[int, int], None] | None = None
     ) -> tuple[Reference, list[Flown]]:  # fmt: skip
         """Fly a certified plan `count` times; hear: told of each flight that begins, and of how many there are."""
-        assert isinstance(scenario, Handover) and isinstance(model, FlownModel)
-        reference = reference_of(plan, replay, model, scenario)
+        reference, airframe = reference_of(plan, replay, model, errand(scenario)), airframe_of(model)
         flown = []
         for number in range(self.count):
             if hear:
                 hear(number + 1, self.count)
-            flown.append(self.once(reference, model.airframe, number))
+            flown.append(self.once(reference, airframe, number))
         return reference, flown
 
     def once(self, reference: Reference, airframe: Airframe, number: int) -> Flown:
@@ -119,7 +116,3 @@ def _check_motors(rig: Rig, airframe: Airframe) -> None:
         if low > planned[0] or high < planned[1]:
             problem = f"[{low:g}, {high:g}] is inside what the planner may use"
             raise BadInput(f"rig.{field}", problem, f"limits around [{planned[0]:g}, {planned[1]:g}]")
-
-
-def _name(thing: object) -> str:
-    return str(getattr(thing, "name", type(thing).__name__))

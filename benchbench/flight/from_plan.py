@@ -8,11 +8,12 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay
+from benchbench.flight.errand import Errand
 from benchbench.flight.reference import Reference, matrices
 from benchbench.flight.statics import hover
 from benchbench.flight.world import STEP
-from benchbench.ocp.airframe import Airframe, FlownModel
-from benchbench.ocp.handover import Handover
+from benchbench.ocp.airframe import Airframe, airframe_of
+from benchbench.ocp.model import Model
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.storage.flight import flight_of
@@ -21,7 +22,7 @@ LEAD, TAIL = 2.0, 1.5
 """s of hovering before the plan, in which an observer settles, and after it, in which the ball must stay."""
 
 
-def reference_of(plan: Plan, replay: Replay, model: FlownModel, scenario: Handover) -> Reference:
+def reference_of(plan: Plan, replay: Replay, model: Model, errand: Errand) -> Reference:
     """Return the replay on the world's grid with accelerations of the certificate's plant; contact as the plan claims it.
 
     A replay that starts again from planned states has no jumps here: what it drifts until then is taken off evenly.
@@ -39,7 +40,7 @@ def reference_of(plan: Plan, replay: Replay, model: FlownModel, scenario: Handov
         [flight.position, flight.quaternion, arm[:, :1], flight.velocity, flight.body_rates, arm[:, 1:2]]
     )
     inputs, acceleration = np.hstack([flight.thrusts, arm[:, 2:]]), model.plant().acceleration(q, v, u)[:, :3]
-    return _hovering(plan, state, inputs, acceleration, model.airframe, scenario)
+    return _hovering(plan, state, inputs, acceleration, airframe_of(model), errand)
 
 
 def _continuous(plan: Plan, replay: Replay) -> tuple[Array, Array]:
@@ -61,7 +62,7 @@ def _interpolated(time: Array, at: Array, rows: Array) -> Array:
 
 
 def _hovering(
-    plan: Plan, state: Array, inputs: Array, acceleration: Array, airframe: Airframe, scenario: Handover
+    plan: Plan, state: Array, inputs: Array, acceleration: Array, airframe: Airframe, errand: Errand
 ) -> Reference:
     """Put the time before and after the plan at its ends."""
     before, after = round(LEAD / STEP), round(TAIL / STEP)
@@ -69,14 +70,13 @@ def _hovering(
     held = [hover(airframe, float(end[7])) for end in ends]
     time: Array = STEP * np.arange(-before, len(state) + after, dtype=float)
     first, last = plan.contact() or (0, 0)
-    (stop,) = scenario.itinerary.stops
-    position, velocity = sample(stop.target, time)
+    position, velocity = sample(errand.target, time)
     return Reference(
         step=STEP, time=time,
         state=np.vstack([np.tile(ends[0], (before, 1)), state, np.tile(ends[1], (after, 1))]),
         inputs=np.vstack([np.tile(held[0], (before, 1)), inputs, np.tile(held[1], (after, 1))]),
         acceleration=np.pad(acceleration, ((before, after), (0, 0))),
-        target=np.hstack([position, velocity]), ball_radius=scenario.ball_radius, reach=scenario.magnet_reach,
+        target=np.hstack([position, velocity]), ball_radius=errand.ball_radius, reach=errand.reach,
         window=(float(plan.time[first]), float(plan.time[last])), travel_time=plan.travel_time,
     )  # fmt: skip
 
