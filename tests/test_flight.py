@@ -187,7 +187,7 @@ def test_every_reason_of_the_judge(flown: pipeline.Run, reference: Reference) ->
         assert reason in found, reason
     aside = reference.target.copy()
     aside[:, 3:5] = aside[:, [4, 3]] * [-1, 1]
-    assert judge(good, replace(reference, target=aside), a, flights.limits).reasons == ("heading",)
+    assert judge(good, replace(reference, target=aside), a, flights.limits).reasons == ("askew",)
 
 
 def test_59_successes_prove_95_percent() -> None:

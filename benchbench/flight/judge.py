@@ -23,7 +23,7 @@ REASONS = {
     "early": "the ball was attached before the plan is within reach",
     "late": "the ball was attached after the planned window",
     "too fast": "the end effector was too fast where the magnet began to act",
-    "heading": "the nose was off the target's way there",
+    "askew": "the nose was off the target's way there",
     "dropped": "the ball was not carried in the end",
     "touched": "the vehicle touched something else",
 }
@@ -82,7 +82,7 @@ def judge(log: Log, reference: Reference, airframe: Airframe, limits: FlightLimi
         "early": attached_s < entry - limits.early,
         "late": attached_s > reference.window[1] + limits.late,
         "too fast": speed > limits.touch_speed,
-        "heading": heading > limits.heading,
+        "askew": heading > limits.heading,
         "dropped": whole and caught is not None and not log.attached[-1],
         "touched": any(log.touched),
     }
