@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from functools import singledispatch
 from typing import Any
 
+import numpy as np
+
 from benchbench.certificate.handover_bound import handover_bound, level_bound
 from benchbench.certificate.race_bound import race_bound
 from benchbench.ocp.handover import Handover
@@ -47,5 +49,5 @@ def _(scenario: Handover, model: Model, plant: Plant) -> Mapping[str, Any]:
     return {
         "lower_bound_s": proved.seconds,
         "limited_by": proved.demand,
-        "level_bound_s": level.seconds if level else None,
+        "level_bound_s": level.seconds if level and np.isfinite(level.seconds) else None,
     }

@@ -6,30 +6,34 @@ For a travel time T and a contact from t on that lasts d(T), on every axis the v
     within the way to rest of the end at t + d, and within reach of the target there,
     and the two places no farther apart than its speed allows in d;
 
-the nose must turn from the start's heading to within the error allowed of the target's at t, and from there at t + d to the end's.
-Relaxed: each axis chooses its own places, nothing is asked during the contact, angles are taken the short way round. So what does not
+the nose must turn from the start's heading to within the error allowed of the target's at t, and from there at t + d to the end's, and
+follow the target's turn in between. Relaxed: each axis chooses its own places, angles are taken the short way round. So what does not
 fit is impossible, and the least T that fits is a bound. T and t are searched in cells that are granted all that happens in them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from benchbench.arrays import Array, Flags, Index
+from benchbench.certificate.course import Course
 from benchbench.certificate.leg import Leg
 from benchbench.certificate.turning import Turning
-from benchbench.ocp.contact import SLOW
 from benchbench.ocp.motion import sample
 from benchbench.ocp.stop import Stop
 
-CELLS = (0.04, 0.005)
-"""Widths in s of the cells, the coarse ones first: what they exclude the fine ones need not look at."""
-LOOKS = 400
-"""Cells of T that are looked at, at most: 16 s of coarse ones, 2 s of fine ones; what is not excluded is not proved."""
-SHARP = 0.5
-"""rad of turn of the target within a cell from which its direction is taken as any."""
+COARSE = (0.04, 800)
+"""Width in s of the cells that are looked at first, and how many of them at most; what is not excluded is not proved."""
+FINE = (0.005, 400)
+"""The same of those that begin where the coarse ones cannot exclude."""
+Ask = Literal["come", "stay", "go", "turn", "follow"]
+ALL: frozenset[Ask] = frozenset(("come", "stay", "go", "turn", "follow"))
+DURING: frozenset[Ask] = frozenset(("stay", "follow"))
+"""What a flight may be asked for: to come from the start, to stay near the target, to go to the end, to turn the nose there and back, to
+keep it turned to the target. DURING: what is asked of the contact alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +44,7 @@ class Visit:
     error  rad of the nose from the target's direction
     turning  how fast the nose turns; None: any heading
     speed  (3,) m/s, largest on each axis
+    asks   what is asked; the rest is forgiven
     """
 
     first: Leg
@@ -49,22 +54,41 @@ class Visit:
     error: float
     turning: Turning | None
     speed: Array
+    asks: frozenset[Ask] = ALL
 
     def least(self, start: float, latest: float) -> float:
         """Return a travel time in s from `start` on that no such flight beats; inf where none up to `latest` fits."""
-        for width in CELLS:
-            start = self._scan(start, latest, width)
+        if not self.contact_fits(start, latest):
+            return np.inf
+        for width, looks in (COARSE, FINE):
+            start = self._scan(start, latest, width, looks)
         return start
 
-    def _scan(self, start: float, latest: float, width: float) -> float:
+    def possible(self, start: float, latest: float) -> bool:
+        """Whether a flight that takes from `start` to `latest` s is not excluded, by the coarse cells where all of it is asked."""
+        if not self.contact_fits(start, latest):
+            return False
+        return self.asks <= DURING or bool(np.isfinite(self._scan(start, latest, *COARSE)))
+
+    def contact_fits(self, start: float, latest: float) -> bool:
+        """Whether what is asked during a contact can be kept at any time, for as long as one of a flight of `start` s lasts.
+
+        A longer contact contains one of that length, so this excludes all longer flights, too.
+        """
+        lasts, during = self.stop.lasts(start), replace(self, asks=self.asks & DURING)
+        if latest < lasts:
+            return False
+        return not during.asks or _Cells.of(during, latest, FINE[0]).holds(lasts, latest)
+
+    def _scan(self, start: float, latest: float, width: float, looks: int) -> float:
         if start > latest:
             return start
         count = int((latest - start) / width) + 1
-        cells = _Cells.of(self, start + min(count, LOOKS) * width, width)
-        for i in range(min(count, LOOKS)):
+        cells = _Cells.of(self, start + min(count, looks) * width, width)
+        for i in range(min(count, looks)):
             if cells.fits(start + i * width):
                 return start + i * width
-        return np.inf if count <= LOOKS else start + LOOKS * width
+        return np.inf if count <= looks else start + looks * width
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,64 +101,59 @@ class _Cells:
     ahead: tuple[Array, Array]
     target: Array
     blur: Array
-    off: tuple[Array, Array]
+    course: Course
 
     @classmethod
     def of(cls, visit: Visit, latest: float, width: float) -> _Cells:
         time = np.arange(0.0, latest + 4 * width, width)
         target, moving = sample(visit.stop.target, time)
         (back_0, ahead_0), (back_1, ahead_1) = (leg.way(time + width) for leg in (visit.first, visit.last))
-        off = _off_heading(visit, moving)
         blur = 3 * width * np.max(np.abs(moving), axis=0)
-        return cls(visit, width, (back_0, back_1), (ahead_0, ahead_1), target, blur, off)
+        return cls(
+            visit, width, (back_0, back_1), (ahead_0, ahead_1), target, blur, Course.of(moving, visit.error)
+        )
 
     def fits(self, total: float) -> bool:
         """Whether a flight that takes `total` s, or up to a cell longer, may exist."""
-        visit, w = self.visit, self.width
-        lasts = visit.stop.lasts(total)
+        lasts = self.visit.stop.lasts
+        return self.holds(lasts(total), total, lasts(total + self.width))
+
+    def holds(self, lasts: float, total: float, at_most: float | None = None) -> bool:
+        """Whether a contact of `lasts` to `at_most` s may be part of it; `lasts` exactly where nothing else is said."""
+        w, at_most = self.width, lasts if at_most is None else at_most
         begin = np.arange(max(int(np.ceil((total - lasts) / w)) + 1, 1))
         end = np.minimum(((begin * w + lasts) / w).astype(int), len(self.target) - 1)
         left = np.clip(np.ceil((total - end * w) / w).astype(int), 0, len(self.target) - 1)
-        at_most = visit.stop.lasts(total + w)
-        if visit.turning is not None:
+        good = self._turns(begin, end, left, at_most) & self._places(begin, end, left, at_most)
+        return bool(np.any(good))
+
+    def _turns(self, begin: Index, end: Index, left: Index, lasts: float) -> Flags:
+        """Whether the nose can be right when the contact begins, when it ends, and in between."""
+        visit, w, good = self.visit, self.width, np.ones(len(begin), bool)
+        if visit.turning is None:
+            return good
+        if "turn" in visit.asks:
             before, after = np.asarray((begin + 1) * w, float), np.asarray((left + 1) * w, float)
-            off, on = self.off[0][begin], self.off[1][end]
-            good = visit.turning.fits(before, off, after, on, at_most + 3 * w)
-            begin, end, left = begin[good], end[good], left[good]
-        return bool(np.any(self._places(begin, end, left, at_most)))
+            off = self.course.off(visit.first.heading)[begin]
+            on = self.course.off(visit.last.heading)[end]
+            good &= visit.turning.fits(before, off, after, on, lasts + 3 * w)
+        if "follow" in visit.asks:
+            good &= self.course.followed(begin, end, visit.turning.rate * lasts)
+        return good
 
     def _places(self, begin: Index, end: Index, left: Index, lasts: float) -> Flags:
         """Whether there are places for the vehicle when the contact begins and when it ends."""
         visit, near = self.visit, self.visit.reach + self.blur
         start, goal = visit.first.place, visit.last.place
-        low_0 = np.maximum(start - self.back[0][begin], self.target[begin] - near)
-        high_0 = np.minimum(start + self.ahead[0][begin], self.target[begin] + near)
-        low_1 = np.maximum(goal - self.back[1][left], self.target[end] - near)
-        high_1 = np.minimum(goal + self.ahead[1][left], self.target[end] + near)
-        apart = np.maximum(low_1 - high_0, low_0 - high_1)
-        fits = (low_0 <= high_0) & (low_1 <= high_1) & (apart <= visit.speed * lasts)
+        low_0, high_0 = self.target[begin] - near, self.target[begin] + near
+        low_1, high_1 = self.target[end] - near, self.target[end] + near
+        if "come" in visit.asks:
+            low_0 = np.maximum(start - self.back[0][begin], low_0)
+            high_0 = np.minimum(start + self.ahead[0][begin], high_0)
+        if "go" in visit.asks:
+            low_1 = np.maximum(goal - self.back[1][left], low_1)
+            high_1 = np.minimum(goal + self.ahead[1][left], high_1)
+        fits = (low_0 <= high_0) & (low_1 <= high_1)
+        if "stay" in visit.asks:
+            fits &= np.maximum(low_1 - high_0, low_0 - high_1) <= visit.speed * lasts
         return np.asarray(np.all(fits, axis=1))
-
-
-def _off_heading(visit: Visit, moving: Array) -> tuple[Array, Array]:
-    """How far the nose has to turn from the start and to the end to be right in each cell, at least, signed, (n,) rad each."""
-    speed, way = np.linalg.norm(moving[:, :2], axis=1), np.arctan2(moving[:, 1], moving[:, 0])
-    jump = np.abs(_short(np.diff(way, append=way[-1])))
-    free = _around((speed <= 2 * SLOW) | (jump > SHARP)) > 0
-    spare = visit.error + 3 * _around(jump)
-    found = []
-    for leg in (visit.first, visit.last):
-        off = np.zeros(len(way)) if leg.heading is None else _short(way - leg.heading)
-        found.append(np.where(free, 0.0, np.sign(off) * np.maximum(np.abs(off) - spare, 0.0)))
-    return found[0], found[1]
-
-
-def _around(values: Array) -> Array:
-    """The largest of three cells to either side."""
-    padded = np.pad(values, 3, mode="edge")
-    return np.max(np.lib.stride_tricks.sliding_window_view(padded, 7), axis=1)
-
-
-def _short(angle: Array) -> Array:
-    """The same angle from -pi to pi."""
-    return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)

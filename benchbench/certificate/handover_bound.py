@@ -46,8 +46,8 @@ def level_bound(scenario: Handover, model: Model, plant: Plant, proved: Bound) -
     (stop,) = sequences[0]
     if stop.heading_error is None or not np.isfinite(proved.seconds):
         return None
-    turning = ByTorque(model.level_yaw_acceleration, yaw_rate(model))
-    seconds = _visit(scenario, stop, model, plant, turning).least(proved.seconds, scenario.travel_time[1])
+    turning = ByTorque(yaw_rate(model), model.level_yaw_acceleration)
+    seconds = visit(scenario, stop, model, plant, turning).least(proved.seconds, scenario.travel_time[1])
     return Bound(seconds, f"the yaw torque turns the nose to the target{stop.label} and back")
 
 
@@ -88,15 +88,16 @@ def _axis(first: Leg, last: Leg, axis: int, way: float, least: float) -> float:
 def _visited(scenario: Handover, stop: Stop, model: Model, plant: Plant, start: float) -> list[Bound]:
     """Come and go, then the same with the nose turned as fast as its limit allows."""
     latest, rate = scenario.travel_time[1], yaw_rate(model)
-    come = _visit(scenario, stop, model, plant, None).least(start, latest)
+    come = visit(scenario, stop, model, plant, None).least(start, latest)
     found = [Bound(come, f"the way to the target{stop.label} and on")]
     if stop.heading_error is not None and np.isfinite(rate) and np.isfinite(come):
-        turned = _visit(scenario, stop, model, plant, ByRate(rate)).least(come, latest)
+        turned = visit(scenario, stop, model, plant, ByRate(rate)).least(come, latest)
         found.append(Bound(turned, f"the yaw rate turns the nose to the target{stop.label} and back"))
     return [bound for bound in found if bound.seconds > start]
 
 
-def _visit(scenario: Handover, stop: Stop, model: Model, plant: Plant, turning: Turning | None) -> Visit:
+def visit(scenario: Handover, stop: Stop, model: Model, plant: Plant, turning: Turning | None) -> Visit:
+    """The flight by one stop as its bound sees it."""
     first, last = legs(scenario, model)
     index = [model.configuration.index(name) for name in AXES]
     reach = np.inf if stop.reach is None else arm_reach(model, plant) + stop.reach

@@ -12,7 +12,9 @@ from benchbench.arrays import Array, Flags
 
 
 class Turning(ABC):
-    """How fast a nose turns."""
+    """How fast a nose turns; `rate`: rad/s at most."""
+
+    rate: float
 
     @abstractmethod
     def fits(self, before: Array, off: Array, after: Array, on: Array, lasts: float) -> Flags:
@@ -37,14 +39,14 @@ class ByRate(Turning):
 @final
 @dataclass(frozen=True)
 class ByTorque(Turning):
-    """A double integrator with |acceleration| up to so many rad/s^2 and a largest rate in rad/s.
+    """A double integrator with a largest rate in rad/s and |acceleration| up to so many rad/s^2.
 
     Out to an angle d > 0 within t, from rest, takes a rate there of at least w = a t - sqrt(2 a^2 t^2 - 4 a d), which may be below zero.
     A turn out and back needs w_out + w_back <= a lasts: what still turns out has to be turned back.
     """
 
-    acceleration: float
     rate: float
+    acceleration: float
 
     def fits(self, before: Array, off: Array, after: Array, on: Array, lasts: float) -> Flags:
         """Both ways, and where they are on the same side their rates."""

@@ -12,11 +12,13 @@ import numpy as np
 from benchbench import registry
 from benchbench.arrays import Array
 from benchbench.certificate.bound import lower_bound
+from benchbench.certificate.conflict import conflicts
 from benchbench.certificate.leg import AXES
 from benchbench.certificate.speed_bound import arm_reach
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Setup
+from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import LagrangianModel, RacingModel
 from benchbench.ocp.motion import sample
 from benchbench.ocp.race import Race
@@ -56,11 +58,24 @@ def possible(scenario: Scenario, case: Case) -> None:
     latest = scenario.travel_time[1]
     bound = lower_bound(scenario, case.model, case.model.plant())
     if bound == np.inf:
+        contradiction(scenario, case)
         problem = f"is out of reach: at full speed the vehicle does not meet it within {latest:g} s"
         raise BadInput(_field(scenario), problem, "a nearer target, or a longer scenario.travel_time")
     if bound > latest:
         problem = f"{latest:g} s are too short, at full speed the flight takes {bound:.3f} s"
         raise BadInput("scenario.travel_time", problem, f"an upper limit of at least {bound:.3f} s")
+
+
+@singledispatch
+def contradiction(scenario: Scenario, case: Case) -> None:
+    """Raise BadInput that names two demands that no flight keeps both, where this kind of scenario has such."""
+
+
+@contradiction.register
+def _(scenario: Handover, case: Case) -> None:
+    for stop, found in conflicts(scenario, case.model, case.model.plant()):
+        problem = f"is out of reach, by proof: {found.asked}, and {found.able}"
+        raise BadInput(_field(scenario, stop), problem, "a task in which one of the two is eased")
 
 
 def numbers(case: Case) -> None:
