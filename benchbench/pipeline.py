@@ -103,9 +103,7 @@ def write(done: Run, folder: Path, table: Path, config: str, picture: bool = Tru
                 paths["flights"] = folder / FLIGHTS
                 write_bytes(paths["flights"], done.flights.table.encode())
             paths |= {"picture": _draw(done, done.case, folder)} if picture else {}
-            paths |= (
-                {"flights_picture": _draw_flights(done.flights, folder)} if picture and done.flights else {}
-            )
+            paths |= _show_flights(done, done.case, folder, config) if picture else {}
         else:
             solution = done.result.mpcc.split(done.result.solved.x)
             paths["solution"] = write_solution(folder, solution)
@@ -134,14 +132,23 @@ def _draw(done: Run, case: Case, folder: Path) -> Path:
     return path
 
 
-def _draw_flights(flights: Flights, folder: Path) -> Path:
+def _show_flights(done: Run, case: Case, folder: Path, config: str) -> dict[str, Path]:
+    """The picture of all flights, and a recording of the one to look at: the first that failed, else the first."""
+    if done.flights is None:
+        return {}
+    from benchbench.flight.recording import write_flight
     from benchbench.report.flights import draw_flights
-    from benchbench.storage.files import FLIGHTS_PICTURE
+    from benchbench.storage.files import FLIGHT, FLIGHTS_PICTURE
 
-    told, path = flights.columns, folder / FLIGHTS_PICTURE
+    flights, paths = done.flights, {"flights_picture": folder / FLIGHTS_PICTURE, "flight": folder / FLIGHT}
+    told = flights.columns
     title = f"{told['flights_succeeded']} of {told['flights']} flights succeed: {told['residual']}, {told['mismatch']}"
-    draw_flights(path, flights.reference, flights.flown, flights.airframe, flights.limits, title)
-    return path
+    draw_flights(
+        paths["flights_picture"], flights.reference, flights.flown, flights.airframe, flights.limits, title
+    )
+    one = next((one for one in flights.flown if not one.verdict.success), flights.flown[0])
+    write_flight(paths["flight"], flights.reference, one, case.scenario, case.model, {"config": config})
+    return paths
 
 
 def _fly(

@@ -160,7 +160,7 @@ def perfect(reference: Reference) -> Log:
     ball = reference.target[1:] - [0, 0, reference.ball_radius, 0, 0, 0]
     return Log(
         time=time, state=state, ball=ball, attached=time >= reference.window[0], touched=("",) * n, motors=np.zeros((n, 4)),
-        commanded=np.zeros(0), rates=np.zeros((0, 3)), thrust=np.zeros(0), controller_cpu=np.full(10, 1e-3), cpu=1.0, broken="",
+        commanded=np.zeros(0), rates=np.zeros((0, 3)), thrust=np.zeros(0), sensed=np.zeros((0, 15)), controller_cpu=np.full(10, 1e-3), cpu=1.0, broken="",
     )  # fmt: skip
 
 
@@ -206,3 +206,28 @@ def test_draws_are_those_of_the_seed_alone() -> None:
     assert abs(masses.std() - 0.1 / 3**0.5) < 0.005
     wind = np.array([ranges.draw(seed).wind for seed in range(400)])
     assert abs(np.corrcoef(wind.T)[0, 1]) < 0.15
+
+
+def test_a_flight_is_recorded(flown: pipeline.Run, tmp_path: Path) -> None:
+    """Read back: the truth of every 20 ms from the plan's start on, and what is drawn of it."""
+    import json
+
+    from mcap.reader import make_reader
+
+    from benchbench.flight.recording import write_flight
+
+    assert flown.flights is not None and isinstance(flown.case, Case)
+    one = flown.flights.flown[0]
+    write_flight(
+        tmp_path / "flight.mcap", flown.flights.reference, one, flown.case.scenario, flown.case.model, {}
+    )
+    with (tmp_path / "flight.mcap").open("rb") as file:
+        messages = [(c.topic, m.data) for _, c, m in make_reader(file).iter_messages()]
+    truth = [json.loads(data) for topic, data in messages if topic == "/truth/state"]
+    assert len(truth) == sum(topic == "/scene" for topic, _ in messages) - 1
+    row = int(np.argmin(np.abs(one.log.time - truth[50]["time"])))
+    assert truth[50]["x"] == one.log.state[row, 0]
+    contact = [json.loads(data) for topic, data in messages if topic == "/truth/contact"]
+    assert next(c["time"] for c in contact if c["attached"]) == pytest.approx(
+        one.verdict.attached_s, abs=0.021
+    )

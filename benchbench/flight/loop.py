@@ -30,6 +30,7 @@ class Log:
     motors        (n, 4) N, as asked of the motors
     commanded     (m,) s, when commands were given; controller_cpu (m,) s of CPU each took
     rates         (m, 3) rad/s and thrust (m,) N of the commands
+    sensed        (m, 15) as `Truth.state`, what the controller was told for each
     cpu           s, of the whole flight
     broken        what ended the flight early: "" for nothing, "lost", or the controller's error in words
     """
@@ -43,6 +44,7 @@ class Log:
     commanded: Array
     rates: Array
     thrust: Array
+    sensed: Array
     controller_cpu: Array
     cpu: float
     broken: str
@@ -60,18 +62,20 @@ def fly(
     A controller that raises, or commands what is no number, ends the flight; the log says so.
     """
     began = time.process_time()
-    truths, motors, commands, costs = [], [], [], []
+    truths, motors, commands, told, costs = [], [], [], [], []
     truth = Truth(float(reference.time[0]), reference.state[0].copy(), np.zeros(6), False, "")
     sensors.hear(truth)
     broken, command = "", None
     for count in range(len(reference.time) - 1):
         if count % EVERY == 0:
             before = time.thread_time()
-            command, broken = _commanded(control, sensors.sensed(), truth.time)
+            sensed = sensors.sensed()
+            command, broken = _commanded(control, sensed, truth.time)
             costs.append(time.thread_time() - before)
             if command is None:
                 break
             commands.append(command)
+            told.append(sensed.state)
         assert command is not None
         forces = autopilot(command, truth.time, sensors.gyro())
         angle, rate, torque = command.arm
@@ -83,7 +87,7 @@ def fly(
             broken = "lost"
             break
     cpu = time.process_time() - began
-    return _log(truths, motors, commands, costs, cpu, broken)
+    return _log(truths, motors, commands, told, costs, cpu, broken)
 
 
 def _commanded(
@@ -104,13 +108,13 @@ def _near(truth: Truth, wanted: Array) -> bool:
 
 
 def _log(
-    truths: list[Truth], motors: list[Array], commands: list[Command], costs: list[float], cpu: float, broken: str
+    truths: list[Truth], motors: list[Array], commands: list[Command], told: list[Array], costs: list[float], cpu: float, broken: str
 ) -> Log:  # fmt: skip
     return Log(
         time=np.array([t.time for t in truths]), state=np.array([t.state for t in truths]).reshape(-1, 15),
         ball=np.array([t.ball for t in truths]).reshape(-1, 6),
         attached=np.array([t.attached for t in truths], bool), touched=tuple(t.touched for t in truths),
         motors=np.array(motors).reshape(-1, 4), commanded=np.array([c.time for c in commands]),
-        rates=np.array([c.rates for c in commands]).reshape(-1, 3), thrust=np.array([c.thrust for c in commands]),
+        rates=np.array([c.rates for c in commands]).reshape(-1, 3), thrust=np.array([c.thrust for c in commands]), sensed=np.array(told).reshape(-1, 15),
         controller_cpu=np.array(costs), cpu=cpu, broken=broken,
     )  # fmt: skip

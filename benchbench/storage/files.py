@@ -15,7 +15,7 @@ from typing import Any
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
 
-RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS, FLIGHTS_PICTURE = (
+RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS, FLIGHTS_PICTURE, FLIGHT = (
     "record.json",
     "plan.mcap",
     "solution.json",
@@ -23,6 +23,7 @@ RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS, FLIGHTS_PICTURE = (
     "config.yaml",
     "flights.csv",
     "flights.png",
+    "flight.mcap",
 )
 TEMPORARY_SUFFIX = ".tmp"
 DEPTH, LONGEST = 4, 150
@@ -83,7 +84,7 @@ def vacate(folder: Path) -> None:
     """
     if folder.is_symlink() or folder.is_file():
         _remove(folder)
-    for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS, FLIGHTS_PICTURE):
+    for name in (RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS, FLIGHTS_PICTURE, FLIGHT):
         _remove(folder / name)
 
 

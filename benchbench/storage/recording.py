@@ -59,8 +59,21 @@ def write_mcap(
     `metadata` becomes the metadata record "benchbench" (for example the composed configuration as YAML).
     Raises BadInput("output", ...) when the file system refuses.
     """
+    series = [*plan_series(plan, scenario, model), *replay_series(replay, plan, model)]
+    write_series(path, plan, series, scenario, model, metadata)
+
+
+def write_series(
+    path: Path,
+    drawn: Plan,
+    series: Sequence[Series],
+    scenario: Scenario,
+    model: Model,
+    metadata: Mapping[str, str],
+) -> None:
+    """Write numbers to `path`, atomically, beside what viewers draw of a motion in space; see `write_mcap`."""
     try:
-        _write(path, plan, replay, scenario, model, metadata)
+        _write(path, drawn, series, scenario, model, metadata)
     except RuntimeError as error:  # what the recorder makes of a full disk
         wanted = "a folder you may write to, with free space"
         raise BadInput("output", f"cannot write {path}: {error}", wanted) from error
@@ -68,8 +81,8 @@ def write_mcap(
 
 def _write(
     path: Path,
-    plan: Plan,
-    replay: Replay | None,
+    drawn: Plan,
+    series: Sequence[Series],
     scenario: Scenario,
     model: Model,
     metadata: Mapping[str, str],
@@ -86,9 +99,9 @@ def _write(
         closing(open_mcap(temporary, context=context, writer_options=options)) as file,
     ):
         file.write_metadata("benchbench", dict(metadata))
-        entries = list(scene(context, plan, scenario, model))
-        for series in [*plan_series(plan, scenario, model), *replay_series(replay, plan, model)]:
-            entries += _numbers(context, series)
+        entries = list(scene(context, drawn, scenario, model))
+        for one in series:
+            entries += _numbers(context, one)
         for entry in sorted(entries, key=lambda e: e.log_time):
             entry.channel.log(entry.message, log_time=entry.log_time)
 

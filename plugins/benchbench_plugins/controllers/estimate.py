@@ -20,6 +20,8 @@ from benchbench_plugins.controllers.tables import Tables
 
 LONGEST = 0.03
 """s of one step of moving on."""
+RARE = 0.05
+"""s between two states beyond which their difference says little of what was commanded in between."""
 KEPT = 60
 """Commands that are remembered, more than a second."""
 NOTHING = np.zeros(4)
@@ -67,7 +69,7 @@ class Estimate:
     def _learn(self, sensed: Sensed) -> None:
         """Compare the change of velocity with what the model gives for the commands in between."""
         last, command, along = self.last, None, 0.0
-        if last is not None and sensed.time > last.time:
+        if last is not None and 0 < sensed.time - last.time < RARE:
             h, middle = sensed.time - last.time, (sensed.time + last.time) / 2
             command, change = self._given(middle)
             q = last.state[3:7] + sensed.state[3:7]
