@@ -23,6 +23,7 @@ read_once()
 def pytest_collection_finish() -> None:
     """What has been imported stays: the collector need not look at it again, in a fork of a mutation run least of all."""
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)  # composing makes and drops objects by the ten thousand
 
 
 LONGEST = (

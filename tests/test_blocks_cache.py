@@ -145,6 +145,7 @@ def compilers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[], i
     return lambda: len(calls.read_text().splitlines()) if calls.exists() else 0
 
 
+@pytest.mark.slow
 def test_many_processes_at_a_cold_cache(root: Path, compilers: Callable[[], int]) -> None:
     several = [elsewhere() for _ in range(6)]
     assert [process.wait(120) for process in several] == [0] * 6

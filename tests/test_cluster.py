@@ -87,6 +87,7 @@ def cluster(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
             yield address, [one, other]
 
 
+@pytest.mark.slow
 def test_bad_runs_cost_their_row_and_a_lost_worker_nothing(tmp_path: Path, calm_sweep: Path) -> None:
     """One after the other on one cluster, whose start takes as long as a run."""
     bad, far = tmp_path / "bad", tmp_path / "far"

@@ -162,6 +162,7 @@ def test_a_third_partys_plugins_are_tested_because_they_are_installed(third_part
     assert "12 passed" in out, out
 
 
+@pytest.mark.slow
 def test_the_suites_collect_every_plugin(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "--pyargs", "benchbench.conformance", "--collect-only", "-q"],

@@ -14,7 +14,10 @@ from sharing import Once
 
 from benchbench.sweep import log
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for processes and their signals")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for processes and their signals"),
+]
 
 QUICK = [way for way in WAYS if way not in SLOW]
 EVERY = 12

@@ -27,6 +27,7 @@ def told_by(place: Path) -> tuple[str, str]:
     return record["scenario"], read_yaml(place / "config.yaml")["scenario"]["name"]
 
 
+@pytest.mark.slow
 def test_runs_that_are_given_one_folder_get_one_each_and_resuming_makes_them_whole(tmp_path: Path) -> None:
     sweep = ("-m", "+scenario=static,linear", *QUICK[:-1], "picture=true", *SAME, "workers=1")
     assert told(tmp_path, *sweep).returncode == 1

@@ -48,6 +48,7 @@ def assert_nothing_left(folder: Path) -> None:
     assert [Path(f"/proc/{pid}/cmdline").read_text() for pid in processes_in(folder)] == []
 
 
+@pytest.mark.slow
 def test_every_bad_end_costs_one_typed_row(tmp_path: Path) -> None:
     """The endless ones have a limit of their own: the one that plans takes its time on a busy machine."""
     bad = ("-m", "+scenario=static", *BAD)
@@ -149,6 +150,7 @@ def kill_and_resume(
     return rows
 
 
+@pytest.mark.slow
 def test_kill_of_the_parent_loses_only_what_was_running(tmp_path: Path, calm_sweep: Path) -> None:
     rows = kill_and_resume(tmp_path, 1, float((calm_sweep / "seconds").read_text()), seed=0)
     assert rows[0] < RUNS  # the kill met a sweep at work
@@ -156,6 +158,7 @@ def test_kill_of_the_parent_loses_only_what_was_running(tmp_path: Path, calm_swe
     assert len(answers(tmp_path / "results")) == RUNS
 
 
+@pytest.mark.slow
 def test_two_sweeps_into_a_folder_share_the_work(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "benchbench", *SWEEP, "picture=false", "workers=1"]
     both = [
@@ -271,6 +274,7 @@ def small_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", str(disk)], check=True)
 
 
+@pytest.mark.slow
 def test_a_disk_that_fills_up_is_named_and_costs_no_earlier_row(small_disk: Path) -> None:
     done = program(small_disk, *SWEEP, "workers=1")  # by itself: the disk is taken away afterwards
     assert done.returncode == 2, done.stderr

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import composing
 import pytest
 from peer_stand_in import cpc_folder, togt_folder
 from program import told
@@ -12,7 +13,6 @@ from test_foreign import task
 
 from benchbench import pipeline
 from benchbench.errors import Crash, IncompatibleCase, NoPlan, Timeout, Unavailable
-from benchbench.run import config
 
 FOLDERS = {"cpc": cpc_folder, "togt": togt_folder}
 END = {"cpc": "free", "togt": "rest"}
@@ -21,7 +21,7 @@ END = {"cpc": "free", "togt": "rest"}
 def planned(peer: str, folder: Path, *more: str) -> pipeline.Run:
     end = f"scenario.end_velocity={END[peer]}"
     return pipeline.run(
-        config.compose(*task(), end, "strategy=peer", f"peer={peer}", f"peer.folder={folder}", *more)
+        composing.case_of(*task(), end, "strategy=peer", f"peer={peer}", f"peer.folder={folder}", *more)
     )
 
 

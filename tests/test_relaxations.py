@@ -10,6 +10,7 @@ from typing import ClassVar, final
 import casadi as ca
 import numpy as np
 import pytest
+from composing import case_of
 from pydantic import ValidationError
 from small_mpccs import Small, by_hand, problem, pympcc_problems
 
@@ -33,7 +34,9 @@ Set = Callable[[Array, Array, float], Array]
 
 @cache
 def case(name: str) -> Case:
-    return compose("+scenario=static", f"relaxation={name}", "compile=never", "iteration_limit=500")
+    return case_of(
+        "+scenario=static", f"relaxation={name}", "strategy=relax", "compile=never", "iteration_limit=500"
+    )
 
 
 def solve(mpcc: Mpcc, name: str, schedule: tuple[float, ...] | None = None) -> Solved:

@@ -284,6 +284,7 @@ def test_sequences_equals_brute_force(scenario: str) -> None:
     assert found.account["search"].startswith("2 sequences: 2 solved")
 
 
+@pytest.mark.slow
 def test_sequences_takes_the_margins_that_the_replay_asks_for() -> None:
     """Without any, the replay exceeds a limit; fixed ones cost more."""
     free = ("scenario.rate_margin.arm=0", "scenario.contact_margin.position=0")

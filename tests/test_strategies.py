@@ -113,6 +113,7 @@ def of_rows(result: Result, lam_g: Array | None) -> Array:
     )
 
 
+@pytest.mark.slow
 def test_coarse_to_fine_finds_the_window_of_an_exhaustive_search() -> None:
     """On 10, 20 and 40 intervals; an error in what one grid hands to the next leads to another window."""
     search = ("strategy=enumeration", "strategy.margin=0", "scenario.intervals=40")

@@ -150,6 +150,7 @@ def test_documented_commands_compose(told: dict[str, Any]) -> None:
     assert len(told["composed"]) == len(documented()) >= 4
 
 
+@pytest.mark.slow
 def test_it_sweeps_beside_ours(python: Path, tmp_path: Path) -> None:
     sweep = [
         "-m",
@@ -165,6 +166,7 @@ def test_it_sweeps_beside_ours(python: Path, tmp_path: Path) -> None:
     assert len(list((tmp_path / "results" / "table").glob("*.parquet"))) == 2
 
 
+@pytest.mark.slow
 def test_the_conformance_suite_picks_them_up(python: Path, tmp_path: Path) -> None:
     chosen = "soft_minimum or (lobatto_iiic and (pendulum or table1-)) or eased or two_grids or height"
     done = run(python, tmp_path, "pytest", "--pyargs", "benchbench.conformance", "-k", chosen, "-v")

@@ -70,6 +70,7 @@ DATABASE = os.environ.get("BENCHBENCH_TEST_DATABASE", "")
 needs_database = pytest.mark.skipif(not DATABASE, reason="BENCHBENCH_TEST_DATABASE names no database")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "storage",
     [

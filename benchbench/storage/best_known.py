@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Self
 
@@ -62,6 +63,7 @@ class BestKnown:
         rows = sorted(self.entries.values(), key=_order)
         text = yaml.safe_dump(rows, sort_keys=False, width=1000, allow_unicode=True)
         write_bytes(path, (HEAD + text).encode())
+        _parsed.cache_clear()
 
 
 def packaged() -> Path:
@@ -102,7 +104,8 @@ def _read(path: Path) -> Iterable[KnownValue]:
     if not path.is_file():
         return []
     try:
-        found = yaml.load(path.read_bytes(), getattr(yaml, "CSafeLoader", yaml.SafeLoader)) or []
+        status = path.stat()
+        found = _parsed(path, status.st_mtime_ns, status.st_size)
     except (OSError, yaml.YAMLError) as error:
         raise BadInput(str(path), f"cannot be read: {str(error).splitlines()[0]}") from None
     if not isinstance(found, list) or not all(map(_complete, found)):
@@ -111,6 +114,12 @@ def _read(path: Path) -> Iterable[KnownValue]:
         )
         raise BadInput(str(path), "is no file of best known values", allowed)
     return found
+
+
+@lru_cache(maxsize=8)
+def _parsed(path: Path, changed: int, size: int) -> Any:
+    """What a file says; read again when it is changed."""
+    return yaml.load(path.read_bytes(), getattr(yaml, "CSafeLoader", yaml.SafeLoader)) or []
 
 
 def _complete(one: Any) -> bool:
