@@ -97,5 +97,5 @@ OTHERS = (
     ("tune {d}/nowhere.yaml", "{d}/nowhere.yaml"), ("tune {d}/bad.yaml", "{d}/bad.yaml"), ("tune {d}/space.yaml", "{d}/space.yaml: space"),
     ("tune {d}/odd.yaml", "{d}/odd.yaml: sweet"), ("tune {d}/tune.yaml +scenario=static", "hydra.sweeper.n_trials"), ("tune {d}/nothing", "{d}/nothing"),
     ("tune {d}/deep.yaml", "{d}/deep.yaml"), ("collection {d}/nothing", "{d}/nothing"), ("collection {d}/nowhere", "{d}/nowhere"),
-    ("plugins nonsense", "plugins"), ("tabel", "'tabel'"),
+    ("plugins nonsense", "plugins"), ("tabel", "tabel"), ("completion", "benchbench completion"), ("completion csh", "benchbench completion"),
 )  # fmt: skip

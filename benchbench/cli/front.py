@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 from benchbench import __version__
+from benchbench.cli import commands
 from benchbench.errors import BadInput, BenchBenchError, unknown_choice
 from benchbench.run.choices import FAMILIES, FLYING, choices
 from benchbench.run.telling import complain, usage
@@ -20,23 +22,32 @@ LONG = (
 """All long options: Hydra's, and two of ours."""
 ELSEWHERE = ("-m", "--multirun", "-cp", "--config-path", "-cn", "--config-name", "--experimental-rerun")
 """Options with which choices are not looked at here: several at a time, or from another configuration."""
+COMMAND = re.compile(r"[a-z_]\w*")
+"""A first argument that can only be a command: what Hydra takes has an equals sign, a tilde or a dash."""
 CHOICE = re.compile(rf"(\+scenario|{'|'.join((*FAMILIES[1:], *FLYING))}|peer)=(\w+)")
 
 
 def answer(arguments: Sequence[str]) -> int | None:
     """Answer what can be answered at once and return the exit code; None for all else."""
-    if arguments and arguments[0] in {
-        path.stem for path in Path(__file__).with_name("commands").glob("*.py")
-    }:
-        return None
     try:
+        if arguments and arguments[0] in commands.names():
+            return _help(arguments[0], arguments[1:])
         return _answer([a for a in arguments if a != "--traceback"])
     except BenchBenchError as error:
         complain("bad input", str(error))
         return BAD_INPUT
 
 
+def _help(command: str, arguments: Sequence[str]) -> int | None:
+    if not {"-h", "--help"} & {*arguments}:
+        return None
+    print(commands.parser(command).explain())
+    return DONE
+
+
 def _answer(arguments: Sequence[str]) -> int | None:
+    if arguments and COMMAND.fullmatch(arguments[0]):
+        raise _no_command(arguments[0])
     for name in (a.partition("=")[0] for a in arguments if a.startswith("--")):
         if not any(option.startswith(name) for option in LONG):  # Hydra takes abbreviations
             raise BadInput(name, "there is no such option", "what --help shows")
@@ -46,7 +57,8 @@ def _answer(arguments: Sequence[str]) -> int | None:
     own = _own(arguments)
     asked = "--help" in arguments or "-h" in arguments
     if asked or not arguments:
-        print(usage({family: choices(family, *own) for family in (*FAMILIES, *FLYING)}))
+        named = {family: choices(family, *own) for family in (*FAMILIES, *FLYING)}
+        print(usage(commands.summaries(), named))
         sys.stdout.flush()
     if asked:
         return DONE
@@ -54,6 +66,16 @@ def _answer(arguments: Sequence[str]) -> int | None:
         raise BadInput("scenario", "none was chosen", "+scenario=NAME with a NAME from the list above")
     _check(arguments, own)
     return None
+
+
+def _no_command(word: str) -> BadInput:
+    there = commands.names()
+    near = [
+        *get_close_matches(word, there, 1),
+        *(f"+scenario={word}" for _ in range(word in choices("scenario"))),
+    ]
+    meant = f", perhaps '{near[0]}' is meant" if near else ""
+    return BadInput(word, f"there is no such command{meant}", f"{', '.join(there)}; or +scenario=NAME")
 
 
 def _check(arguments: Sequence[str], own: Sequence[Path]) -> None:

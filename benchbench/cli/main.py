@@ -15,6 +15,10 @@ def main() -> None:
     """Entry point of the console script and of `python -m benchbench`; never returns, exits with a code."""
     interrupt.take_over()
     try:
+        if "_ARGCOMPLETE" in os.environ:
+            from benchbench.cli.completion import complete
+
+            complete()  # never returns
         from benchbench.cli import front  # imports next to nothing; Ctrl-C is heard by now
 
         code = front.answer(sys.argv[1:])

@@ -13,14 +13,12 @@ USAGE = """BenchBench plans a flight, certifies the plan, stores it and shows it
 
   benchbench +scenario=NAME [CHOICE=NAME ...] [FIELD=VALUE ...]      one run
   benchbench -m +scenario=A,B FIELD=V1,V2 ...               all combinations
-  benchbench suite [NAME ...]             all tasks of a suite, and a summary
-  benchbench plugins [FAMILY=NAME]        what there is, and whether it works
-  benchbench table [DIR ...]              all runs as a table: text, CSV, ...
-  benchbench report DIR ...               all runs as one HTML page
-  benchbench draw DIR ...                 pictures of the plans of a sweep
-  benchbench best DIR ...                 keep the best certified plans
+  benchbench COMMAND ...                            one of those below
 
 or python -m benchbench, which is the same.
+
+Commands (benchbench COMMAND --help explains one, with examples)
+{commands}
 
 Choices
 {choices}
@@ -36,16 +34,28 @@ Exit code  0 all plans certified, 1 a run ended without a certified plan,
            2 bad input, 130 interrupted"""
 
 
-def usage(choices: Mapping[str, Sequence[str]]) -> str:
-    """Return the help text; `choices` are the names to choose from, by family."""
+def usage(commands: Mapping[str, str], choices: Mapping[str, Sequence[str]]) -> str:
+    """Return the help text: how each command is called and what it does, and the names to choose from, by family."""
+    listed = {
+        f"{'+' if family == 'scenario' else ''}{family}": ", ".join(names)
+        for family, names in choices.items()
+    }
+    return USAGE.format(
+        commands=_columns({name.removeprefix("benchbench "): text for name, text in commands.items()}),
+        choices=_columns(listed),
+    )
+
+
+def _columns(rows: Mapping[str, str]) -> str:
+    """Two columns on 80, the second folded."""
     grid = Table.grid(padding=(0, 2))
-    for family, names in choices.items():
-        grid.add_row(f"  {'+' if family == 'scenario' else ''}{family}", ", ".join(names))
-    console = Console(width=80, color_system=None)
+    grid.add_column(no_wrap=True)
+    for name, text in rows.items():
+        grid.add_row(f"  {name}", text)
+    console = Console(width=80, color_system=None, highlight=False)
     with console.capture() as captured:
         console.print(grid)
-    listed = "\n".join(line.rstrip() for line in captured.get().splitlines())
-    return USAGE.format(choices=listed)
+    return "\n".join(line.rstrip() for line in captured.get().splitlines())
 
 
 def complain(kind: str, text: str, trace: str = "") -> None:

@@ -1,4 +1,8 @@
-"""The commands beside planning: `benchbench NAME ...` runs `run(arguments)` of the module NAME in this folder."""
+"""The commands beside planning: `benchbench NAME ...` runs `run(arguments)` of the module NAME in this folder.
+
+Help and completion ask a module for `parser()` and the first line of its docstring, so that a module imports what it
+works with only when it works.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +10,12 @@ import importlib
 import pkgutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from benchbench.sweep.sweep import Swept
+if TYPE_CHECKING:
+    from benchbench.cli.arguments import Parser
+    from benchbench.sweep.sweep import Swept
 
 
 @dataclass(frozen=True)
@@ -21,6 +29,18 @@ class Sweep:
 def names() -> list[str]:
     """Return the commands there are."""
     return sorted(module.name for module in pkgutil.iter_modules(__path__))
+
+
+def summaries() -> dict[str, str]:
+    """Return how each command is called, and what it does, as the first lines of their files say; nothing is imported."""
+    first = [Path(__path__[0], f"{name}.py").read_text().partition("\n")[0].strip('"') for name in names()]
+    return {usage.strip("`"): text.rstrip(".") for usage, _, text in (line.partition(": ") for line in first)}
+
+
+def parser(name: str) -> Parser:
+    """Return the arguments that a command takes."""
+    takes: Parser = importlib.import_module(f"{__name__}.{name}").parser()
+    return takes
 
 
 def run(name: str, arguments: Sequence[str]) -> int | list[str] | Sweep:

@@ -1,4 +1,4 @@
-"""`benchbench best DIR...`: the certified plans of some runs, merged into the file of best known values."""
+"""`benchbench best DIR ...`: keep certified plans as best known."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def run(arguments: Sequence[str]) -> int:
     """Merge and print what changed; raises BadInput."""
     from benchbench.storage.best_known import BestKnown
 
-    asked = _parser().parse_args(arguments)
+    asked = parser().parse_args(arguments)
     entries = dict(BestKnown.load(asked.file).entries)
     changed = 0
     for record, folder in _runs(asked.folders):
@@ -115,13 +115,12 @@ def _told(new: KnownValue, old: KnownValue | None) -> str:
     return f"{what}, was {old['travel_time_s']:.6f} s ({100 * (new['travel_time_s'] / old['travel_time_s'] - 1):+.4f} %)"
 
 
-def _parser() -> Parser:
-    from benchbench.storage.best_known import BEST_KNOWN, REFERENCES
-
-    parser = Parser("best", "Merge certified plans into the file of best known values.", EPILOG)
-    parser.add_argument(
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    takes = Parser("best", "Merge certified plans into the file of best known values.", EPILOG)
+    takes.add_argument(
         "folders", nargs="+", type=Path, metavar="DIR", help="a run's folder, or folders with runs"
     )
-    default = Path(REFERENCES, BEST_KNOWN)
-    parser.add_argument("--file", type=Path, default=default, help=f"what is updated (default: {default})")
-    return parser
+    default = Path("references", "best_known.yaml")
+    takes.add_argument("--file", type=Path, default=default, help=f"what is updated (default: {default})")
+    return takes

@@ -1,4 +1,4 @@
-"""`benchbench certify PLAN.csv --scenario NAME [OVERRIDE ...]`: judge a plan that anybody made, by our certificate."""
+"""`benchbench certify PLAN [OVERRIDE ...]`: judge a plan that anybody made."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path
 
 from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput
-from benchbench.run.overrides import quoted
 
 EPILOG = """The plan is flown again and judged like our own, and recorded with its picture. The exit code is 0 when it is
 certified, 1 when not, 2 for bad input. The columns of the file stand in docs/foreign_plans.md.
@@ -21,7 +20,9 @@ examples
 
 def run(arguments: Sequence[str]) -> int | list[str]:
     """Return what it is short for; raises BadInput."""
-    asked, overrides = _parser().parse_known_args(arguments)
+    from benchbench.run.overrides import quoted
+
+    asked, overrides = parser().parse_known_args(arguments)
     if asked.plan is None:
         raise BadInput("plan", "none was given", "the path of a CSV file, or of a plan.mcap")
     if not Path(asked.plan).is_file():
@@ -46,25 +47,26 @@ def run(arguments: Sequence[str]) -> int | list[str]:
     ]
 
 
-def _parser() -> Parser:
-    parser = Parser("certify", "Judge a plan from a file by our certificate.", EPILOG)
-    parser.add_argument(
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    takes = Parser("certify", "Judge a plan from a file by our certificate.", EPILOG, overrides=True)
+    takes.add_argument(
         "plan", nargs="?", metavar="PLAN.csv", help="the plan: CSV, a plan.mcap, or an exported ROS 2 file"
     )
-    parser.add_argument("--scenario", metavar="NAME", help="the task it is for")
-    parser.add_argument(
+    takes.add_argument("--scenario", metavar="NAME", help="the task it is for")
+    takes.add_argument(
         "--name", default="foreign", help="who made it, as the solver of the record (default: foreign)"
     )
-    parser.add_argument(
+    takes.add_argument(
         "--motors",
         metavar="ORDER",
         help="how the file numbers the motors: a convention (cpc, agilicious, px4), or for each of ours its number there, "
         "such as 4,1,3,2; docs/foreign_plans.md has a picture",
     )
-    parser.add_argument(
+    takes.add_argument(
         "--interpolation",
         choices=["hold", "linear"],
         default="hold",
         help="of the inputs: those of a row until the next (default), or from row to row; frames and recordings say it themselves",
     )
-    return parser  # fmt: skip
+    return takes  # fmt: skip

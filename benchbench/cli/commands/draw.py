@@ -1,4 +1,4 @@
-"""`benchbench draw RUN ...`: the pictures of stored plans, which sweeps leave for later."""
+"""`benchbench draw RUN ...`: pictures of stored plans."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def run(arguments: Sequence[str]) -> int:
     from benchbench.run.redraw import draw_stored, redraw
 
     drawn: list[Path] = []
-    for given in _parser().parse_args(arguments).run:
+    for given in parser().parse_args(arguments).run:
         found = _runs(given)
         drawn += (
             [draw_stored(found[0])] if found == [_folder(given)] else [p for p in map(redraw, found) if p]
@@ -52,13 +52,14 @@ def _runs(given: Path) -> list[Path]:
     return found
 
 
-def _parser() -> Parser:
-    parser = Parser("draw", "Draw plan.png of stored runs.", EPILOG)
-    parser.add_argument(
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    takes = Parser("draw", "Draw plan.png of stored runs.", EPILOG)
+    takes.add_argument(
         "run",
         type=Path,
         nargs="+",
         metavar="RUN",
         help="a run's folder or its plan.mcap, or a folder of runs",
     )
-    return parser
+    return takes

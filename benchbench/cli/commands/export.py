@@ -1,4 +1,4 @@
-"""`benchbench export PLAN --output FILE`: a plan as CSV or as ROS 2 messages, for people who fly it."""
+"""`benchbench export PLAN --output FILE`: a plan to fly: CSV, ROS 2 messages."""
 
 from __future__ import annotations
 
@@ -10,6 +10,11 @@ from benchbench.errors import BadInput
 
 SUFFIXES = {".csv": "csv", ".mcap": "ros2"}
 
+EXAMPLES = """examples
+  benchbench export results/runs/DATE/TIME --output plan.csv
+  benchbench export results/runs/DATE/TIME/plan.mcap --output flight.mcap      ROS 2 messages
+"""
+
 
 def run(arguments: Sequence[str]) -> int:
     """Write the file and say what is in it; raises BadInput."""
@@ -18,7 +23,7 @@ def run(arguments: Sequence[str]) -> int:
     from benchbench.storage.flight import flight_of
     from benchbench.storage.playback import read_mcap
 
-    asked = _parser().parse_args(arguments)
+    asked = parser().parse_args(arguments)
     path = _recording(asked.plan)
     kind = asked.format or SUFFIXES.get(asked.output.suffix)
     if kind is None:
@@ -57,15 +62,18 @@ def _recording(given: Path) -> Path:
     return path
 
 
-def _parser() -> Parser:
-    parser = Parser(
-        "export", "Write a plan as CSV or as ROS 2 messages in MCAP; docs/export.md says what is in them."
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    takes = Parser(
+        "export",
+        "Write a plan as CSV or as ROS 2 messages in MCAP; docs/export.md says what is in them.",
+        EXAMPLES,
     )
-    parser.add_argument("plan", type=Path, metavar="PLAN", help="a run's folder or its plan.mcap")
-    parser.add_argument(
+    takes.add_argument("plan", type=Path, metavar="PLAN", help="a run's folder or its plan.mcap")
+    takes.add_argument(
         "--format",
         choices=sorted(SUFFIXES.values()),
         help="default: csv for a name in .csv, ros2 for one in .mcap",
     )
-    parser.add_argument("--output", type=Path, required=True, metavar="FILE", help="file to write")
-    return parser
+    takes.add_argument("--output", type=Path, required=True, metavar="FILE", help="file to write")
+    return takes

@@ -1,4 +1,4 @@
-"""`benchbench regress [--baseline DIR] [--update] [OVERRIDE ...]`: has anything become worse?"""
+"""`benchbench regress [OVERRIDE ...]`: has anything become worse?"""
 
 from __future__ import annotations
 
@@ -7,25 +7,33 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-
-from rich.console import Console
-from rich.progress import track
-from rich.table import Table
+from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput
-from benchbench.regression import baseline
-from benchbench.regression.compare import Change, compare
-from benchbench.regression.matrix import Matrix
-from benchbench.regression.measure import Measured, measure
-from benchbench.regression.reference import Reference
+
+if TYPE_CHECKING:
+    from benchbench.regression.compare import Change
+    from benchbench.regression.matrix import Matrix
+    from benchbench.regression.measure import Measured
+
+EXAMPLES = """examples
+  benchbench regress                    against references/baseline; exit code 1 if anything became worse
+  benchbench regress --update           measure and store a new baseline
+  benchbench regress solver=uno         overrides apply to every case: is this choice better or worse?
+  benchbench regress --baseline DIR     your own: DIR holds a matrix.yaml like that of references/baseline
+"""
 
 STYLE = {"same": "", "better": "green", "WORSE": "bold red"}
 
 
 def run(arguments: Sequence[str]) -> int:
     """Return 0 if nothing became worse, 1 otherwise; raises BadInput."""
-    asked = _parser().parse_args(arguments)
+    from benchbench.regression import baseline
+    from benchbench.regression.compare import compare
+    from benchbench.regression.matrix import Matrix
+
+    asked = parser().parse_args(arguments)
     if os.environ.get("OMP_NUM_THREADS") != "1":  # libraries read it when they are loaded
         command = [sys.executable, "-m", "benchbench", "regress", *arguments]
         return subprocess.run(command, env={**os.environ, "OMP_NUM_THREADS": "1"}, check=False).returncode
@@ -43,19 +51,20 @@ def run(arguments: Sequence[str]) -> int:
     )
 
 
-def _parser() -> Parser:
-    parser = Parser("regress", "Has anything become worse? See docs/regression.md.")
-    parser.add_argument(
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    takes = Parser("regress", "Has anything become worse? See docs/regression.md.", EXAMPLES)
+    takes.add_argument(
         "--baseline",
         default="references/baseline",
         metavar="DIR",
         help="folder of matrix.yaml and baseline.json",
     )
-    parser.add_argument("--update", action="store_true", help="measure and store a new baseline")
-    parser.add_argument(
+    takes.add_argument("--update", action="store_true", help="measure and store a new baseline")
+    takes.add_argument(
         "overrides", nargs="*", metavar="OVERRIDE", help="overrides for every case, as in the main command"
     )
-    return parser
+    return takes
 
 
 def _check_names(matrix: Matrix, old: dict[str, Measured], update: bool) -> None:
@@ -67,6 +76,12 @@ def _check_names(matrix: Matrix, old: dict[str, Measured], update: bool) -> None
 
 
 def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> dict[str, Measured]:
+    from rich.console import Console
+    from rich.progress import track
+
+    from benchbench.regression.measure import measure
+    from benchbench.regression.reference import Reference
+
     reference = Reference()
     reference.cpu_s()
     console = Console(stderr=True)
@@ -78,6 +93,9 @@ def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> dict[str, Measured
 
 
 def _report(changes: Sequence[Change], title: str) -> int:
+    from rich.console import Console
+    from rich.table import Table
+
     worse = [c for c in changes if c.verdict == "WORSE"]
     told = Table(title=title)
     for heading in ("case", "what", "was", "now", "change", "verdict", "gate"):

@@ -1,4 +1,4 @@
-"""`benchbench report DIR...`: all runs below some folders as one HTML file that needs no network."""
+"""`benchbench report DIR ...`: all runs as one HTML page."""
 
 from __future__ import annotations
 
@@ -8,17 +8,24 @@ from pathlib import Path
 from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput, Unavailable
 from benchbench.run.telling import complain
-from benchbench.storage.files import write_bytes
 
 PLANS, ROWS = 12, 1000
+
+EXAMPLES = """examples
+  benchbench report results                                     report.html
+  benchbench report results other --output both.html --title "Two machines"
+  benchbench report results --plans 0                           tables and charts only
+"""
 
 
 def run(arguments: Sequence[str]) -> int:
     """Write the report and say where it is; raises BadInput."""
-    asked = _parser().parse_args(arguments)
+    asked = parser().parse_args(arguments)
     for name in ("plans", "rows"):
         if getattr(asked, name) < 0:
             raise BadInput(f"--{name}", f"{getattr(asked, name)} was given", "a number of at least 0")
+    from benchbench.storage.files import write_bytes
+
     try:
         from benchbench.cli.report_content import content
         from benchbench.report.html.page import render
@@ -35,25 +42,28 @@ def run(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _parser() -> Parser:
-    parser = Parser("report", "Write one HTML file about all runs below the folders; it needs no network.")
-    parser.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="folders with results")
-    parser.add_argument(
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    takes = Parser(
+        "report", "Write one HTML file about all runs below the folders; it needs no network.", EXAMPLES
+    )
+    takes.add_argument("folders", nargs="+", type=Path, metavar="DIR", help="folders with results")
+    takes.add_argument(
         "--output", type=Path, default=Path("report.html"), metavar="FILE", help="default: report.html"
     )
-    parser.add_argument(
+    takes.add_argument(
         "--plans",
         type=int,
         default=PLANS,
         metavar="N",
         help=f"largest number of plans that are shown, best first (default: {PLANS})",
     )
-    parser.add_argument(
+    takes.add_argument(
         "--rows",
         type=int,
         default=ROWS,
         metavar="N",
         help=f"largest number of runs in the list (default: {ROWS})",
     )
-    parser.add_argument("--title", help="default: the names of the folders")
-    return parser  # fmt: skip
+    takes.add_argument("--title", help="default: the names of the folders")
+    return takes  # fmt: skip

@@ -1,4 +1,4 @@
-"""`benchbench runs [DIR]`: list the runs of a folder of results, remove some, take in those of other folders."""
+"""`benchbench runs [DIR]`: list, remove and merge runs."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def run(arguments: Sequence[str]) -> int:
     """Do what is asked and say what was done; raises BadInput."""
     from benchbench.storage.runs import merge, remove, stored
 
-    asked = _parser().parse_args(arguments)
+    asked = parser().parse_args(arguments)
     if asked.merge:
         made = merge(asked.folder, asked.merge)
         print(f"{len(made)} runs copied into {asked.folder}")
@@ -50,20 +50,21 @@ def _line(run: StoredRun) -> str:
     return f"{run.name}  {run.record['scenario'] or ''}  {run.record['status'] or ''}{told}  {place}"
 
 
-def _parser() -> Parser:
+def parser() -> Parser:
+    """Return the arguments it takes."""
     from benchbench.storage.status import Status
 
-    parser = Parser("runs", "List, remove and merge the runs of a folder of results.", EXAMPLES)
-    parser.add_argument(
+    takes = Parser("runs", "List, remove and merge the runs of a folder of results.", EXAMPLES)
+    takes.add_argument(
         "folder", nargs="?", type=Path, default=Path("results"), metavar="DIR", help="default: results"
     )
-    parser.add_argument("--status", type=_status, help="list those only: " + ", ".join(Status))
-    parser.add_argument("--remove", nargs="+", default=[], metavar="RUN", help="run_ids, or folders of runs")
-    parser.add_argument("--remove-orphans", action="store_true", help="remove rows whose folder was deleted")
-    parser.add_argument(
+    takes.add_argument("--status", type=_status, help="list those only: " + ", ".join(Status))
+    takes.add_argument("--remove", nargs="+", default=[], metavar="RUN", help="run_ids, or folders of runs")
+    takes.add_argument("--remove-orphans", action="store_true", help="remove rows whose folder was deleted")
+    takes.add_argument(
         "--merge", nargs="+", type=Path, default=[], metavar="OTHER", help="folders of results"
     )
-    return parser
+    return takes
 
 
 def _status(text: str) -> str:

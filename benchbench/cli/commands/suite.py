@@ -1,14 +1,15 @@
-"""`benchbench suite NAME [OVERRIDE ...]`: the tasks of a suite as a sweep, and one summary at its end."""
+"""`benchbench suite [NAME] [OVERRIDE ...]`: all tasks of a suite, and a summary."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
-from benchbench.cli.commands import Sweep
-from benchbench.cli.suite_summary import conclude
-from benchbench.run.suites import suite, suites
+
+if TYPE_CHECKING:
+    from benchbench.cli.commands import Sweep
 
 EPILOG = """Short for a sweep (-m) over the seeds of a family of tasks, with everything a sweep can do: it goes on where it stopped, and
 takes any overrides and options. At its end it says how many tasks are certified, what that cost, how good the plans are and why
@@ -23,7 +24,11 @@ examples
 
 def run(arguments: Sequence[str]) -> int | Sweep:
     """Return the sweep it is short for, or list the suites; raises BadInput."""
-    asked, more = _parser().parse_known_args(arguments)
+    from benchbench.cli.commands import Sweep
+    from benchbench.cli.suite_summary import conclude
+    from benchbench.run.suites import suite
+
+    asked, more = parser().parse_known_args(arguments)
     own = asked.config_dir
     if asked.name is None:
         print("\n".join(_listed(own)))
@@ -36,6 +41,8 @@ def run(arguments: Sequence[str]) -> int | Sweep:
 
 
 def _listed(own: str | None) -> list[str]:
+    from benchbench.run.suites import suite, suites
+
     found = {name: suite(str(path)) for name, path in suites(own).items()}
     width = max(map(len, found), default=0)
     return [
@@ -44,13 +51,12 @@ def _listed(own: str | None) -> list[str]:
     ]
 
 
-def _parser() -> Parser:
-    parser = Parser("suite", "Run a method on the tasks of a suite.", EPILOG)
-    parser.add_argument(
-        "name", nargs="?", metavar="NAME", help="a suite, or the path of a YAML file with one"
-    )
-    parser.add_argument("--quick", action="store_true", help="a tenth of the tasks, the first ones")
-    parser.add_argument(
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    takes = Parser("suite", "Run a method on the tasks of a suite.", EPILOG, overrides=True)
+    takes.add_argument("name", nargs="?", metavar="NAME", help="a suite, or the path of a YAML file with one")
+    takes.add_argument("--quick", action="store_true", help="a tenth of the tasks, the first ones")
+    takes.add_argument(
         "--config-dir", metavar="DIR", help="a folder of your own configuration, suite/NAME.yaml in it"
     )
-    return parser  # fmt: skip
+    return takes  # fmt: skip

@@ -1,4 +1,4 @@
-"""`benchbench table [DIR...]`: all runs below some folders as Parquet, CSV, Markdown or LaTeX."""
+"""`benchbench table [DIR ...]`: all runs as a table: text, CSV, Parquet."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def run(arguments: Sequence[str]) -> int:
     from benchbench.storage.formats import WRITERS
     from benchbench.storage.query import query
 
-    asked = _parser().parse_args(arguments)
+    asked = parser().parse_args(arguments)
     if asked.describe:
         sys.stdout.write(describe())
         return 0
@@ -60,9 +60,10 @@ def run(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _parser() -> Parser:
-    parser = Parser("table", "Write all runs below the folders as one table, a run per row.", EXAMPLES)
-    parser.add_argument(
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    takes = Parser("table", "Write all runs below the folders as one table, a run per row.", EXAMPLES)
+    takes.add_argument(
         "folders",
         nargs="*",
         type=Path,
@@ -70,20 +71,20 @@ def _parser() -> Parser:
         metavar="DIR",
         help="folders with results (default: results)",
     )
-    parser.add_argument(
+    takes.add_argument(
         "--format",
         choices=["parquet", "csv", "markdown", "latex"],
         help="default: what the name of the output asks for, else markdown",
     )
-    parser.add_argument("--output", type=Path, metavar="FILE", help="default: standard output")
-    parser.add_argument(
+    takes.add_argument("--output", type=Path, metavar="FILE", help="default: standard output")
+    takes.add_argument(
         "--columns",
         metavar="A,B,...",
         help="columns to write, or all (default: all, a short choice for markdown and latex)",
     )
-    parser.add_argument("--query", metavar="SQL", help="DuckDB SQL over the table 'runs'")
-    parser.add_argument("--describe", action="store_true", help="print what the columns mean")
-    return parser  # fmt: skip
+    takes.add_argument("--query", metavar="SQL", help="DuckDB SQL over the table 'runs'")
+    takes.add_argument("--describe", action="store_true", help="print what the columns mean")
+    return takes  # fmt: skip
 
 
 def _format(asked: str | None, output: Path | None) -> str:

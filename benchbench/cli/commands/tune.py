@@ -1,4 +1,4 @@
-"""`benchbench tune SPACE.yaml [OVERRIDE ...]`: short for `-m hydra/sweeper=optuna` with everything in one file."""
+"""`benchbench tune SPACE.yaml [OVERRIDE ...]`: search fields with Optuna."""
 
 from __future__ import annotations
 
@@ -6,27 +6,45 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from omegaconf import OmegaConf
-from omegaconf.errors import OmegaConfBaseException
-from yaml import YAMLError  # type: ignore[import-untyped]
-
+from benchbench.cli.arguments import Parser
 from benchbench.errors import BadInput
 
 SETTINGS = ("study_name", "storage", "n_trials", "objectives", "sampler", "seed", "prune", "over")
 PARTS = ("space", "problems", "fixed", *SETTINGS)
-USAGE = "benchbench tune SPACE.yaml [OVERRIDE ...], see docs/tuning.md"
+
+EPILOG = """Short for -m hydra/sweeper=optuna with everything in one file: the fields to search, the tasks that every trial plans, and the
+study. A study goes on where it stopped. docs/tuning.md says what can stand in the file.
+
+examples
+  benchbench tune examples/tuning/polish.yaml
+  benchbench tune examples/tuning/schedule.yaml hydra.sweeper.n_trials=40 solver=uno
+"""
 
 
-def run(arguments: Sequence[str]) -> int | list[str]:
-    """Return what it is short for, or the exit code of its help; raises BadInput."""
-    if not arguments or arguments[0] in ("-h", "--help"):
-        print(USAGE)
-        return 0 if arguments else 2
-    return ["-m", *overrides(Path(arguments[0])), *arguments[1:]]
+def run(arguments: Sequence[str]) -> list[str]:
+    """Return what it is short for; raises BadInput."""
+    asked, more = parser().parse_known_args(arguments)
+    return ["-m", *overrides(asked.space), *more]
+
+
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    takes = Parser(
+        "tune",
+        "Search fields of the configuration with Optuna; certified plans alone count.",
+        EPILOG,
+        overrides=True,
+    )
+    takes.add_argument("space", type=Path, metavar="SPACE.yaml", help="what is searched, on which tasks")
+    return takes
 
 
 def overrides(path: Path) -> list[str]:
     """Return what the file says as overrides of the main command. Raises BadInput."""
+    from omegaconf import OmegaConf
+    from omegaconf.errors import OmegaConfBaseException
+    from yaml import YAMLError  # type: ignore[import-untyped]
+
     try:
         told: Any = OmegaConf.to_container(OmegaConf.load(path))
     except OSError as error:
