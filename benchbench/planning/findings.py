@@ -14,6 +14,8 @@ CHEAP = {"rate_margin": 0.02, "contact_margin": 0.5}
 
 On `circle` 1 % of the arm's rate costs 1 to 2 ms of travel time, 1 % of the distance in contact 0.05 ms.
 """
+ALONG = 0.01
+"""The same of a contact's condition that is kept along the path: 1 % of the speed of approach costs 9 ms there."""
 AHEAD = 0.1
 """Largest margin of a contact that a finer grid starts with."""
 RAISED = 2
@@ -70,32 +72,35 @@ def next_step(found: Certificate, case: Case, now: Round) -> Step | None:
     raised = taken_back(now.margins, found, case)
     by_margins = raised != now.margins and largest(raised) <= now.most
     curable = by_margins and all(_by_margin(check) for check in found.broken)
-    if curable and (not now.may_refine or (now.raised < RAISED and _cheap(raised))):
+    along = _along(case)
+    if curable and (not now.may_refine or (now.raised < RAISED and _cheap(raised, along))):
         return Step(raised, correct=now.corrected)
     if now.correctable:
-        return _corrected(found, raised, now)
+        return _corrected(found, raised, now, along)
     if not now.may_refine:
         return None
     return Step(_ahead(raised, now.least, now.most), finer=True, contacts=_bent(found, now))
 
 
-def _corrected(found: Certificate, raised: Margins, now: Round) -> Step | None:
+def _corrected(found: Certificate, raised: Margins, now: Round, along: frozenset[str]) -> Step | None:
     """Take the error of the transcription off, cut what margins do not cure, and take the margins that are cheap."""
-    rates, contacts = raised["rate_margin"], raised["contact_margin"]
+    rates, contacts = raised["rate_margin"], dict(raised["contact_margin"])
+    dear = {name for name in along if now.may_refine and contacts.get(name, 0.0) > ALONG}
+    contacts |= {name: now.margins["contact_margin"].get(name, 0.0) for name in dear}
     most = {kind: min(share, now.most) if now.may_refine else now.most for kind, share in CHEAP.items()}
     fast = max(rates.values(), default=0.0) > most["rate_margin"]
     near = max(contacts.values(), default=0.0) > (most["contact_margin"] if now.corrected else HOPELESS)
     near |= _bent(found, now)
     room = any(check.name in ("replay_position", "replay_angle") for check in found.broken)
     if near:
-        contacts = _ahead(raised, now.least, now.most)["contact_margin"]
+        contacts = _ahead({**raised, "contact_margin": contacts}, now.least, now.most)["contact_margin"]
     margins = {
         "rate_margin": now.margins["rate_margin"] if fast else rates,
         "contact_margin": {name: min(share, most["contact_margin"]) for name, share in contacts.items()},
     }
     if not now.may_refine and now.corrected and margins == now.margins:
         return None
-    return Step(margins, now.may_refine, True, rates=fast or room, contacts=near)
+    return Step(margins, now.may_refine, True, rates=fast or room or bool(dear), contacts=near)
 
 
 def _bent(found: Certificate, now: Round) -> bool:
@@ -111,8 +116,17 @@ def _ahead(raised: Margins, least: Margins, most: float) -> Margins:
     return {"rate_margin": least["rate_margin"], "contact_margin": {**own, **eased}}
 
 
-def _cheap(margins: Margins) -> bool:
-    return all(share <= CHEAP[kind] for kind, own in margins.items() for share in own.values())
+def _along(case: Case) -> frozenset[str]:
+    """Names of conditions of contacts that are kept along the path."""
+    stops = case.scenario.itinerary.stops
+    return frozenset(n for stop in stops for n, c in stop.contacts.items() if c.kept != "in contact")
+
+
+def _cheap(margins: Margins, along: frozenset[str]) -> bool:
+    return all(
+        share <= (ALONG if name in along and kind == "contact_margin" else CHEAP[kind])
+        for kind, own in margins.items() for name, share in own.items()
+    )  # fmt: skip
 
 
 def _by_margin(check: Check) -> bool:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from benchbench.arrays import Array, Flags
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.difference import angle, distance, rate, speed
 from benchbench.certificate.limited import Limited
-from benchbench.certificate.replay import Defects, defects
+from benchbench.certificate.replay import Defects, Replay, defects
+from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
-from benchbench.planning.findings import Step
+from benchbench.planning.findings import ALONG, Step
 from benchbench.planning.result import Result
 from benchbench.transcription.grid import Grid, Mesh
 
@@ -53,6 +56,23 @@ def exceeded(result: Result, found: Certificate, case: Case, step: Step, correct
     if corrected:
         chosen |= _defects(plan, defects(plan, case.model.plant()), case) > 1.0
     return np.asarray(chosen | touching(plan)) if step.contacts else np.asarray(chosen)
+
+
+def _paths(plan: Plan, flight: Replay, case: Case) -> Iterator[Array]:
+    """By how much conditions kept along the path are exceeded on the replay, as a share of a cheap margin, (m,) each."""
+    plant = case.model.plant()
+    for column, name in enumerate(plan.stop_names):
+        stop = next((one for one in case.scenario.itinerary.stops if one.name == name), None)
+        made = plan.contact(column)
+        if stop is None or made is None:
+            continue
+        place, way = sample(stop.target, flight.time)
+        over = np.arange(len(flight.time)) > flight.nodes[made[1]]
+        for contact in stop.contacts.values():
+            if contact.kept != "in contact":
+                gap = contact.gap(plant, flight.configuration, flight.velocity, place, way)
+                passed = (gap / contact.limit - 1) / ALONG
+                yield np.where(over, 0.0, passed) if contact.kept == "until contact" else passed
 
 
 def touching(plan: Plan) -> Flags:
@@ -101,5 +121,7 @@ def _overshoot(plan: Plan, found: Certificate, case: Case) -> Array:
         [unit == "m" for unit in room.units], limits.overshoot_position, limits.overshoot_angle
     )
     passed = np.max(room.excess / np.maximum(allowed, limits.node), axis=1)
-    worst = np.maximum(rates / max(limits.rate_ratio - 1, limits.node), passed)
+    worst = np.max(
+        [rates / max(limits.rate_ratio - 1, limits.node), passed, *_paths(plan, flight, case)], axis=0
+    )
     return np.array([worst[a : b + 1].max() for a, b in zip(flight.nodes, flight.nodes[1:], strict=False)])
