@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.planning.findings import Round, Step, next_step
-from benchbench.planning.ladder import climb, on_grid, rung
+from benchbench.planning.ladder import climb, coarse, on_grid, rung
 from benchbench.planning.margins import NONE, own_margins, with_margins
 from benchbench.planning.mesh import exceeded, halved, marked, steady, touching
+from benchbench.planning.rescue import rescue
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge
+from benchbench.storage.status import Status
 from benchbench.transcription.correction import correctable
 
 ROUNDS = 10
@@ -32,6 +34,7 @@ class Loop:
     correction  whether the error of the transcription is taken off its equations where that can be
     told        what each round gave, in words
     tried       each result, with its certificate where it claims success
+    conflict    what stands in the way, where a look for a flight with slack found that something does
     """
 
     case: Case
@@ -42,6 +45,7 @@ class Loop:
     correction: bool = True
     told: list[str] = field(default_factory=list)
     tried: list[tuple[Result, Certificate | None]] = field(default_factory=list)
+    conflict: str = ""
 
     @property
     def best(self) -> Result:
@@ -49,11 +53,21 @@ class Loop:
         best, _ = min(self.tried, key=lambda one: (not one[0].claimed, _broken(one[1])))
         return replace(best, refined=True)
 
+    @property
+    def account(self) -> dict[str, Any]:
+        """Columns that say what stands in the way, in place of what a plan that keeps nothing breaks."""
+        if not self.conflict:
+            return {}
+        return {
+            "conflict": self.conflict, "reasons": (self.conflict,), "status": Status.INFEASIBLE,
+            "advice": "ease one of the demands that are named, or try strategy=multistart, which looks elsewhere",
+        }  # fmt: skip
+
     def certifies(self, case: Case, start: Plan) -> bool:
         """Plan from one start until the certificate accepts; returns whether it does."""
         least = NONE if self.margin else own_margins(case.scenario)
         now, level = Round(least, least, self.margin), with_margins(case, least)
-        found = climb(level, self.ledger, start)
+        found = self._first(level, start)
         for left in reversed(range(ROUNDS + 1)):
             certificate = judge(found, self.case, self.ledger) if found.claimed else None
             self.tried.append((found, certificate))
@@ -71,6 +85,21 @@ class Loop:
             level = with_margins(finer, step.margins)
             found = rung(level, self.ledger, found.plan, found, step.correct)
         return certificate is not None and certificate.certified
+
+    def _first(self, case: Case, start: Plan) -> Result:
+        """The plan on the case's own grid, by way of a coarse one; where that fails, from a flight that was found with slack.
+
+        Without such a flight, and with a conflict in its place, what failed.
+        """
+        first = coarse(case)
+        below = rung(first, self.ledger, start)
+        if below.claimed or self.ledger.over:
+            return below if first is case or not below.claimed else rung(case, self.ledger, below.plan, below)
+        saved = rescue(first, self.ledger, (start, below.plan))
+        self.conflict = saved.conflict
+        if saved.conflict:
+            return below
+        return climb(case, self.ledger, start if saved.plan is None else saved.plan)
 
     def _finer(self, level: Case, found: Result, certificate: Certificate, step: Step, now: Round) -> Case:
         """The case on the next grid; the same one where no interval has to be cut."""

@@ -80,6 +80,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("starts_high", "float", "", "upper end of the 95 % Wilson interval of that rate"),
     Column("optima", "strings", "", "distinct optima that the starts found, the best first"),
     Column("refinement", "strings", "", "what each round of strategy=auto, or each grid of strategy=refine, gave; empty for others"),
+    Column("conflict", "str", "", "what conflicts most where strategy=auto found no feasible plan, no proof; empty otherwise"),
     Column("best_known_s", "float", "s", "best certified travel time known for this task_hash when the run began, rewards taken off"),
     Column("gap_percent", "float", "%", "how far a certified plan is above best_known_s, its rewards taken off; negative: it beats it"),
     # what it cost

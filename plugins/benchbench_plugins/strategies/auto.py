@@ -46,6 +46,6 @@ class Auto(Strategy):
             last = attempt == self.starts - 1
             limit = case.iteration_limit if last else min(case.iteration_limit, self.patience)
             start = disturbed(guessed, case, start_seed(case.seed, attempt))
-            if loop.certifies(replace(case, iteration_limit=limit), start) or ledger.over:
+            if loop.certifies(replace(case, iteration_limit=limit), start) or loop.conflict or ledger.over:
                 break
-        return loop.best.telling(refinement=loop.told)
+        return loop.best.telling(refinement=loop.told, **loop.account)

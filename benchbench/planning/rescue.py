@@ -1,0 +1,119 @@
+"""What to do where a first solve fails: look for a flight with slack, which gives another start or says what conflicts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchbench.arrays import Array
+from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.model import Coordinates
+from benchbench.ocp.motion import sample
+from benchbench.ocp.plan import Plan
+from benchbench.ocp.stop import Stop
+from benchbench.planning import posing
+from benchbench.planning.case import Case
+from benchbench.planning.elastic import Eased, ease
+
+PATIENCE = 150
+"""Iterations of a solve with slack: 20 to 120 are usual."""
+MOST = 2
+"""Demands that are named on either side."""
+SHARE = 0.2
+"""Part of the largest price from which a limit is named beside it."""
+
+
+@dataclass(frozen=True)
+class Rescue:
+    """A plan without slack to start from; or what conflicts most, where every start ended with slack; or neither."""
+
+    plan: Plan | None = None
+    conflict: str = ""
+
+
+def rescue(case: Case, ledger: Ledger, starts: Sequence[Plan]) -> Rescue:
+    """Solve with slack from each start until one ends without."""
+    limited = replace(case, iteration_limit=min(PATIENCE, case.iteration_limit))
+    found: list[Eased] = []
+    for start in starts:
+        if ledger.over:
+            return Rescue()
+        found.append(ease(posing.phases(case, start), limited, ledger, "slack"))
+        if found[-1].feasible:
+            return Rescue(found[-1].result.plan)
+    if not all(one.conflicts for one in found):
+        return Rescue()
+    least = min(found, key=lambda one: sum(one.slack.values()))
+    return Rescue(conflict=told(least, case))
+
+
+def told(eased: Eased, case: Case) -> str:
+    """Return in words what is missed at least, and the limits of the vehicle at which easing would help most."""
+    missed = [text for _, text in sorted(_missed(eased, case), reverse=True)[:MOST]]
+    prices = sorted(_prices(eased, case), reverse=True)
+    named = [text for price, text in prices[:MOST] if price >= SHARE * prices[0][0] and price > 0]
+    against = f", against {' and '.join(named)}" if named else ""
+    return f"no feasible plan found (no proof); what conflicts most: {' and '.join(missed)}{against}"
+
+
+def _missed(eased: Eased, case: Case) -> Iterator[tuple[float, str]]:
+    """Rows that are broken, each with its slack."""
+    contacts = {f"{s.prefix}{name}": (s, name) for s in case.scenario.itinerary.stops for name in s.contacts}
+    left = max(eased.slack.values())
+    for name, slack in eased.slack.items():
+        if slack < 1e-3 * left:
+            continue
+        if name == "total_time":
+            latest = case.scenario.travel_time[1]
+            yield slack, f"the travel time {eased.result.plan.travel_time:.3g} s, allowed {latest:g} s"
+        elif name in contacts:
+            yield slack, _contact(eased, case, *contacts[name])
+        else:
+            yield slack, f"'{name}' missed by {slack:.2g} of its scale"
+
+
+def _contact(eased: Eased, case: Case, made: Stop, name: str) -> str:
+    contact, plan = made.contacts[name], eased.result.plan
+    nodes = list((eased.result.problem.contact or {}).get(made.name, range(len(plan.time))))
+    position, velocity = sample(made.target, plan.time[nodes])
+    q, v = plan.configuration[nodes], plan.velocity[nodes]
+    gap = float(np.max(contact.gap(case.model.plant(), q, v, position, velocity)))
+    return f"{contact.noun}{made.label} {gap:.3g} {contact.unit}, allowed {contact.limit:g} {contact.unit}"
+
+
+def _prices(eased: Eased, case: Case) -> Iterator[tuple[float, str]]:
+    """Limits of the vehicle: how much slack one per cent of easing each would save, by the multipliers of their bounds."""
+    point, mpcc = eased.result.solved.outcome.point, eased.result.mpcc
+    if point.lam_x is None:
+        return
+    ends = np.cumsum([0, *(v.size for v in mpcc.variables)])
+    named = {"q": case.scenario.limits(case.model), "v": case.model.velocity, "u": case.model.inputs}
+    for variable, first in zip(mpcc.variables, ends, strict=False):
+        if variable.name not in named:
+            continue
+        shape = variable.guess.shape
+        price, active = (
+            np.abs(point.lam_x[first : first + variable.size]).reshape(shape),
+            variable.lower < variable.upper,
+        )
+        value = eased.result.solved.values[variable.name].reshape(shape)
+        upper = np.abs(variable.upper - value) <= np.abs(value - variable.lower)
+        bound = np.where(upper, variable.upper, variable.lower)
+        each = np.where(
+            active & np.isfinite(bound), price * np.abs(np.where(np.isfinite(bound), bound, 0.0)), 0.0
+        )
+        yield from _by_name(variable.name, named[variable.name], each.sum(axis=0) / 100)
+
+
+def _by_name(kind: str, of: Coordinates, prices: Array) -> Iterator[tuple[float, str]]:
+    """Coordinates one by one; inputs of one name and different numbers together."""
+    what = {"q": "limit of", "v": "largest rate of", "u": "limit of"}[kind]
+    groups: dict[str, list[int]] = {}
+    for i, name in enumerate(of.names):
+        groups.setdefault(name.rstrip("0123456789").rstrip("_") if kind == "u" else name, []).append(i)
+    for name, members in groups.items():
+        low, high, unit = of.lower[members[0]], of.upper[members[0]], of.units[members[0]]
+        span = f"{high:.3g} {unit}" if kind == "v" else f"{low:.3g} to {high:.3g} {unit}"
+        yield float(np.sum(prices[members])), f"the vehicle's {what} {name}, {span}"
