@@ -166,6 +166,22 @@ def test_torques_on_euler_angles() -> None:
         models.check_acceleration(table_one(force_model="paper"))
 
 
+class Slower(AerialManipulator):  # type: ignore[misc]  # the original is final
+    """Says that it comes a third as far as it does."""
+
+    def way_from_rest(self, q: Array, time: Array) -> tuple[Array, Array]:
+        back, ahead = super().way_from_rest(q, time)
+        return back / 3, ahead / 3
+
+
+def test_a_way_from_rest_that_is_no_bound() -> None:
+    whole = table_one()
+    with pytest.raises(AssertionError, match="farther along"):
+        models.check_way_from_rest(Slower("slower", **whole.parameters.model_dump()))
+    models.check_way_from_rest(whole)
+    models.check_way_from_rest(table_one(attitude="quaternion"))
+
+
 @dataclass(frozen=True)
 class OddPendulum(LagrangianModel):
     """A pendulum from another one, with parts replaced."""

@@ -12,6 +12,7 @@ Always:
 geometry    tool() and nose() equal the plant's; tool velocity is its derivative; nose has length one
 rest        hover() holds some configuration within the limits
 plant       batched over leading axes
+agility     where a model says how far it comes from rest, no flight of its plant comes farther (`checks.agility`)
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from benchbench.arrays import Array
+from benchbench.conformance.checks.agility import check_way_from_rest
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest, energies, limited, random_states, symbols
 from benchbench.ocp.model import LagrangianModel, Model, Plant, output, output_bounds, output_box, space
@@ -212,4 +214,5 @@ def check_batch(model: Model) -> None:
 CHECKS = (
     check_limits, check_mass_matrix, check_acceleration, check_manifold, check_difference, check_outputs,
     check_virtual_work, check_energy, check_rest, check_geometry, check_batch,
+    check_way_from_rest,
 )  # fmt: skip
