@@ -17,8 +17,8 @@ from benchbench.planning.strategy import pose
 
 COARSE = 0.25
 """Share of the intervals that the first grid has."""
-WARM = 70
-"""Iterations that a solve with multipliers may use: a good start needs 15 to 60."""
+WARM = 150
+"""Iterations that a solve with multipliers may use: a good start needs 10 to 60, and a cold solve is rarely better than a bad one."""
 FEWEST = 16
 """Intervals that the first grid has at least."""
 
