@@ -29,6 +29,8 @@ COARSE = (0.04, 800)
 """Width in s of the cells that are looked at first, and how many of them at most; what is not excluded is not proved."""
 FINE = (0.005, 400)
 """The same of those that begin where the coarse ones cannot exclude."""
+SOON = 4.0
+"""s after the start of the search in which a contact is looked for first."""
 Ask = Literal["come", "stay", "go", "turn", "follow"]
 ALL: frozenset[Ask] = frozenset(("come", "stay", "go", "turn", "follow"))
 DURING: frozenset[Ask] = frozenset(("stay", "follow"))
@@ -78,7 +80,8 @@ class Visit:
         lasts, during = self.stop.lasts(start), replace(self, asks=self.asks & DURING)
         if latest < lasts:
             return False
-        return not during.asks or _Cells.of(during, latest, FINE[0]).holds(lasts, latest)
+        soon = min(latest, start + SOON)  # where it usually fits, so that the rest need not be looked at
+        return not during.asks or any(_Cells.of(during, t, FINE[0]).holds(lasts, t) for t in (soon, latest))
 
     def _scan(self, start: float, latest: float, width: float, looks: int) -> float:
         if start > latest:
