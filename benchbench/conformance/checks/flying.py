@@ -55,7 +55,7 @@ def hanging(clearance: float = 1.0) -> tuple[Array, Array]:
 
 
 @cache
-def wandering(seconds: float = 4.0) -> Reference:
+def wandering(seconds: float = 3.4) -> Reference:
     """A smooth way about a place, with the arm swinging."""
     start = staying(*hanging(), 1.0)
     return training_reference(start, vehicle().airframe, seconds, seed=1)

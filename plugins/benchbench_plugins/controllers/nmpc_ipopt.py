@@ -1,0 +1,41 @@
+"""The same predictive control solved to convergence by IPOPT: what the real-time iteration is checked against."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import final
+
+from benchbench.arrays import Array
+from benchbench.flight.controller import Controller, Known
+from benchbench.flight.payload import Weighing
+from benchbench.flight.residual import Correction
+from benchbench.flight.sensed import Command, Sensed
+from benchbench_plugins.controllers.condensed import Weights
+from benchbench_plugins.controllers.converged import Converged
+from benchbench_plugins.controllers.prediction import Prediction
+from benchbench_plugins.controllers.receding import Horizon, receding
+
+
+@final
+class NmpcIpopt(Controller):
+    """As `nmpc`, without the bound on speeds and the residual's gradient; some ten times slower, so for checks alone."""
+
+    def __init__(
+        self, stages: int = 20, step: float = 0.05, position: float = 400.0, attitude: float = 5.0,
+        velocity: float = 10.0, rates: float = 1.0, thrust: float = 0.1, rate_limit: tuple[float, ...] = (6.0, 6.0, 3.0),
+        latency: float = 0.03, lead: float = 0.012,
+    ) -> None:  # fmt: skip
+        """Keep the numbers; they mean what they do for `nmpc`."""
+        self.horizon = Horizon(stages, step, latency, lead, tuple(rate_limit))
+        self.weights = Weights(position, attitude, velocity, rates, thrust)
+
+    def prepare(
+        self, known: Known, correction: Correction, weighing: Weighing
+    ) -> Callable[[Sensed, float], Command]:
+        """Build the nonlinear program."""
+        gravity = known.airframe.gravity
+
+        def program(prediction: Prediction, low: Array, high: Array) -> Converged:
+            return Converged(prediction, self.weights, low, high, gravity, self.horizon.step)
+
+        return receding(known, correction, weighing, self.horizon, program)

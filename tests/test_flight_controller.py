@@ -1,0 +1,94 @@
+"""The real-time iteration against the same program solved to convergence, and its pieces against independent ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+
+from benchbench.arrays import Array
+from benchbench.conformance.checks.flying import Obedient, known, vehicle, wandering
+from benchbench.flight.controller import Controller
+from benchbench.flight.residual import Recorder
+from benchbench_plugins.controllers.nmpc import Nmpc
+from benchbench_plugins.controllers.nmpc_ipopt import NmpcIpopt
+from benchbench_plugins.controllers.prediction import Prediction
+from benchbench_plugins.controllers.tables import tables
+
+pytest.importorskip("daqp", reason="daqp is not installed")
+
+
+def flown(controller: Controller, commands: int) -> Array:
+    """Positions (n, 3) of a body that obeys, from 6 cm beside."""
+    body = Obedient(wandering())
+    step = controller.prepare(known(wandering()), Recorder(), lambda sensed, command, along: 0.0)
+    body.state[:3] += [0.05, -0.03, 0.02]
+    found = []
+    for _ in range(commands):
+        body.obey(step(body.sensed(), body.time))
+        found.append(body.state[:3].copy())
+    return np.array(found)
+
+
+def test_one_newton_step_a_command_is_as_good_as_convergence() -> None:
+    """Within 1 mm on a way back of 6 cm; a linearisation with a wrong sign is centimetres off."""
+    one, other = (flown(controller, 40) for controller in (Nmpc(soft_speed=0.0), NmpcIpopt()))
+    assert np.abs(one - other).max() < 1e-3
+
+
+def test_the_model_is_the_papers() -> None:
+    """One stage of RK4 against SciPy's integrator with rotation matrices, to the error of RK4 over 50 ms."""
+    draw, g, h = np.random.default_rng(3), 9.8066, 0.05
+    prediction = Prediction(g, h, 1)
+    for _ in range(5):
+        turn, omega, push = Rotation.random(rng=draw), draw.uniform(-2, 2, 3), draw.uniform(5, 15)
+        p, v = draw.uniform(-1, 1, 3), draw.uniform(-1, 1, 3)
+
+        def slope(t: float, y: Array) -> Array:
+            up = (turn * Rotation.from_rotvec(omega * t)).as_matrix()[:, 2]  # noqa: B023
+            return np.concatenate([y[3:], push * up - [0, 0, g]])  # noqa: B023
+
+        exact = solve_ivp(slope, (0, h), np.concatenate([p, v]), rtol=1e-11, atol=1e-11).y[:, -1]
+        q = turn.as_quat(scalar_first=True)
+        inputs = np.concatenate([omega, [push]])[None]
+        prediction.run(np.concatenate([p, q, v]), inputs, np.zeros((1, 10)))
+        after = prediction.after[0]
+        np.testing.assert_allclose(after[[0, 1, 2, 7, 8, 9]], exact, atol=2e-6)
+        turned = (turn * Rotation.from_rotvec(omega * h)).as_quat(scalar_first=True)
+        np.testing.assert_allclose(after[3:7] * np.sign(after[3:7] @ turned), turned, atol=1e-5)
+
+
+def test_derivatives_are_those_of_the_prediction() -> None:
+    draw, step = np.random.default_rng(4), 1e-6
+    prediction = Prediction(9.8, 0.05, 3)
+    first = np.concatenate([draw.normal(size=3), Rotation.random(rng=draw).as_quat(), draw.normal(size=3)])
+    inputs, offsets = draw.uniform(-1, 1, (3, 4)) + np.array([0, 0, 0, 10]), 1e-3 * draw.normal(size=(3, 10))
+    prediction.run(first, inputs, offsets)
+    by_state, by_input = prediction.by_state[0].copy(), prediction.by_input[0].copy()
+    for k in range(10):
+        moved = step * np.eye(10)[k]
+        prediction.run(first + moved, inputs, offsets)
+        there = prediction.after[0].copy()
+        prediction.run(first - moved, inputs, offsets)
+        np.testing.assert_allclose((there - prediction.after[0]) / (2 * step), by_state[:, k], atol=1e-7)
+    for k in range(4):
+        moved = np.zeros((3, 4))
+        moved[0, k] = step
+        prediction.run(first, inputs + moved, offsets)
+        there = prediction.after[0].copy()
+        prediction.run(first, inputs - moved, offsets)
+        np.testing.assert_allclose((there - prediction.after[0]) / (2 * step), by_input[:, k], atol=1e-7)
+
+
+def test_the_reference_is_a_solution_of_the_controllers_own_model() -> None:
+    """From each of its states, the tabulated inputs and offset lead to its state a stage later."""
+    reference = wandering()
+    table = tables(reference, vehicle().airframe, 0.05)
+    prediction = Prediction(vehicle().airframe.gravity, 0.05, 1)
+    for row in range(0, len(table.state) - 10, 40):
+        prediction.run(table.state[row], table.inputs[row : row + 1], table.offset[row : row + 1])
+        np.testing.assert_allclose(prediction.after[0], table.state[row + 5], atol=1e-12)
+        assert (
+            np.abs(table.offset[row]).max() < 0.02
+        )  # what the model misses is small, or its inputs were wrong
