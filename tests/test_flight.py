@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from benchbench import pipeline
+from benchbench.analysis.binomial import exact_bound
 from benchbench.certificate.replay import replay
 from benchbench.flight.campaign import Campaign
-from benchbench.flight.columns import exact_bound
 from benchbench.flight.controller import Controller, Known
 from benchbench.flight.errand import errand
 from benchbench.flight.from_plan import reference_of

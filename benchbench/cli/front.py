@@ -15,6 +15,8 @@ from benchbench.run.choices import FAMILIES, FLYING, choices
 from benchbench.run.telling import complain, usage
 
 DONE, BAD_INPUT = 0, 2
+ROBUST = "strategy=robust"
+"""What one may call the search of `benchbench robust`."""
 LONG = (
     "--help", "--hydra-help", "--version", "--cfg", "--resolve", "--package", "--run", "--multirun", "--shell-completion",
     "--config-path", "--config-name", "--config-dir", "--experimental-rerun", "--info", "--traceback",
@@ -29,6 +31,8 @@ CHOICE = re.compile(rf"(\+scenario|{'|'.join((*FAMILIES[1:], *FLYING))}|peer)=(\
 
 def answer(arguments: Sequence[str]) -> int | None:
     """Answer what can be answered at once and return the exit code; None for all else."""
+    if ROBUST in arguments:
+        return None
     try:
         if arguments and arguments[0] in commands.names():
             return _help(arguments[0], arguments[1:])

@@ -30,7 +30,7 @@ Task = tuple[Swept, Row | None]
 
 def conclude(name: str, suite: Suite, quick: bool, swept: Sequence[Swept]) -> None:
     """Print the summary of a suite that has run, and write it; raises BadInput where it cannot be written."""
-    rows = _rows(swept)
+    rows = rows_of(swept, COLUMNS)
     methods: dict[tuple[str, ...], list[Task]] = {}
     for one in swept:
         row = rows.get(one.place.labels["config_hash"]) if one.place else None
@@ -53,14 +53,14 @@ def conclude(name: str, suite: Suite, quick: bool, swept: Sequence[Swept]) -> No
     print(f"{'summary':<13}  {path}")
 
 
-def _rows(swept: Sequence[Swept]) -> dict[str, Row]:
-    """The newest row of each run that took part, by its hash."""
+def rows_of(swept: Sequence[Swept], columns: Sequence[str]) -> dict[str, Row]:
+    """Return the newest row of each run that took part, by its hash."""
     from benchbench.storage.table import added
 
     found: dict[str, Row] = {}
     wanted = {one.place.labels["config_hash"] for one in swept if one.place}
     for root in {one.place.root for one in swept if one.place}:
-        for row in added(root, set(), (*COLUMNS, "started_at")):
+        for row in added(root, set(), (*columns, "started_at")):
             old = found.get(row["config_hash"])
             if row["config_hash"] in wanted and (old is None or _began(old) <= _began(row)):
                 found[row["config_hash"]] = row

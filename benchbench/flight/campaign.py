@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+from benchbench.analysis.binomial import decided
 from benchbench.certificate.replay import Replay
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.flight.autopilot import Autopilot
@@ -29,6 +30,8 @@ from benchbench.ocp.scenario import Scenario
 
 PER_SEED = 1_000_000
 """Flights that one seed of a run has; another seed has others."""
+FEWEST = 20
+"""Flights before a search gives a plan up."""
 TRAINING = 1
 """Noise of training flights is not that of the flight."""
 
@@ -59,6 +62,7 @@ class Campaign:
     rig: Rig
     limits: FlightLimits
     names: Mapping[str, str]
+    target: float | None = None
 
     def check(self, scenario: object, model: object) -> None:
         """Raise BadInput, or IncompatibleCase, for what cannot be flown."""
@@ -75,14 +79,24 @@ class Campaign:
     def fly(
         self, plan: Plan, replay: Replay, scenario: Scenario, model: Model, hear: Callable[[int, int], None] | None = None
     ) -> tuple[Reference, list[Flown]]:  # fmt: skip
-        """Fly a certified plan `count` times; hear: told of each flight that begins, and of how many there are."""
+        """Fly a certified plan `count` times, with a target until it is decided whether that proves it.
+
+        hear: told of each flight that begins, and of how many there are.
+        """
         reference, airframe = reference_of(plan, replay, model, errand(scenario)), airframe_of(model)
         flown = []
         for number in range(self.count):
             if hear:
                 hear(number + 1, self.count)
             flown.append(self.once(reference, airframe, number))
+            if self.target is not None and self._decided(flown, self.target):
+                break
         return reference, flown
+
+    def _decided(self, flown: list[Flown], target: float) -> bool:
+        """Whether more flights decide nothing; after `FEWEST`, since a rate is told of those that fail, too."""
+        successes = sum(one.verdict.success for one in flown)
+        return len(flown) >= FEWEST and decided(successes, len(flown), self.count, target)
 
     def once(self, reference: Reference, airframe: Airframe, number: int) -> Flown:
         """Fly a reference once, in the world of this number."""

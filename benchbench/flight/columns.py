@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from benchbench.analysis.binomial import CONFIDENCE, exact_bound
 from benchbench.analysis.wilson import wilson
 from benchbench.arrays import Array
 from benchbench.flight.campaign import Campaign, Flown
@@ -20,8 +21,6 @@ from benchbench.flight.reference import Reference
 from benchbench.flight.world import STEP
 from benchbench.ocp.airframe import Airframe
 
-CONFIDENCE = 0.95
-"""Of every bound."""
 NAMES = ("world", "controller", "autopilot", "residual", "payload", "mismatch", "rig")
 """Choices of a campaign that the record names."""
 
@@ -43,13 +42,6 @@ def flights(campaign: Campaign, airframe: Airframe, reference: Reference, flown:
     return Flights(
         airframe, campaign.limits, reference, flown, columns(campaign, flown), table(reference, flown)
     )
-
-
-def exact_bound(successes: int, runs: int) -> float:
-    """Lower bound of a success rate, one-sided, exact (Clopper and Pearson 1934): 59 of 59 prove 0.95 at 95 %."""
-    from scipy.stats import beta  # half a second to import
-
-    return 0.0 if successes == 0 else float(beta.ppf(1 - CONFIDENCE, successes, runs - successes + 1))
 
 
 def columns(campaign: Campaign, flown: Sequence[Flown]) -> dict[str, Any]:

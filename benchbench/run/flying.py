@@ -20,7 +20,7 @@ from benchbench.flight.world import World
 from benchbench.run.making import made
 from benchbench.run.overrides import keys
 
-COUNT = "flights"
+COUNT, TARGET = "flights", "target_success"
 MOST = 1_000_000
 DEFAULTS = {
     # the engine that no planner has written, the paper's controller, and PX4's equations, which real vehicles run
@@ -35,7 +35,7 @@ KINDS: dict[str, type] = {
     "world": World, "controller": Controller, "autopilot": Autopilot, "residual": Residual, "payload": Payload,
     "mismatch": Mismatch, "rig": Rig, JUDGE: FlightLimits,
 }  # fmt: skip
-FIELDS = (COUNT, *KINDS)
+FIELDS = (COUNT, TARGET, *KINDS)
 
 
 def flying(overrides: Sequence[str]) -> list[str]:
@@ -67,7 +67,10 @@ def campaign(cfg: DictConfig, chosen: Mapping[str, Any]) -> Campaign | None:
             )
     parts = {group: made(cfg, group, kind) for group, kind in KINDS.items()}
     names = {group: str(chosen.get(group) or "custom") for group in DEFAULTS}
-    return Campaign(count=count, seed=cfg.seed, limits=parts.pop(JUDGE), names=names, **parts)
+    target = cfg.get(TARGET)
+    if target is not None and (type(target) not in (int, float) or not 0 < target < 1):
+        raise BadInput(TARGET, f"{target!r} was given", "a number above 0 and below 1, or null")
+    return Campaign(count=count, seed=cfg.seed, limits=parts.pop(JUDGE), names=names, target=target, **parts)
 
 
 def decisive(tree: Mapping[str, Any]) -> dict[str, Any]:

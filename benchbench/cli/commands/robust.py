@@ -1,0 +1,55 @@
+"""`benchbench robust [OVERRIDE ...]`: the fastest plan that succeeds as often as asked, and what success costs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING
+
+from benchbench.cli.arguments import Parser
+
+if TYPE_CHECKING:
+    from benchbench.cli.commands import Sweep
+
+EPILOG = """Short for a sweep (-m) over gentler and faster plans of one task, each certified and then flown in the same worlds until its
+success is proved or cannot be proved any more; it goes on where it stopped. At its end it names the fastest plan whose flights
+prove the success that was asked for (exact, one-sided, 95 % confidence), and writes the front of travel time against success as
+table and picture. Values of any field that are given as a list are searched; without any, the slope of the approach and the aim.
+
+examples
+  benchbench robust +scenario=circle residual=observer mismatch=lab
+  benchbench robust +scenario=static residual=gp_observer target_success=0.9 flights=100
+  benchbench robust +scenario=circle scenario.contacts.approach.slope=4,8,16 scenario.authority=0,0.05
+"""
+GENTLE = "+scenario/contact=approach"
+AXES = {
+    "scenario.contacts.approach.slope": "3,4,5,6,7,8,12",
+    "scenario.aim.position": "0.6,1.0",
+}
+"""What is searched where nothing else is: how fast the ball is neared, and how near to it the plan aims."""
+DEFAULTS = {"flights": "59", "target_success": "0.95", "residual": "observer"}
+
+
+def run(arguments: Sequence[str]) -> Sweep:
+    """Return the sweep it is short for; raises BadInput."""
+    from benchbench.cli.commands import Sweep
+    from benchbench.cli.robust_summary import conclude
+    from benchbench.errors import BadInput
+    from benchbench.run.overrides import keys
+
+    _, more = parser().parse_known_args(arguments)
+    typed = [text for text in more if not text.startswith("-")]
+    options = [text for text in more if text.startswith("-") and text not in ("-m", "--multirun")]
+    asked = keys(typed)
+    if "scenario" not in asked:
+        raise BadInput("scenario", "none was chosen", "+scenario=NAME of a handover with one target")
+    added = [] if "scenario/contact" in asked else [GENTLE]
+    added += [f"{key}={value}" for key, value in DEFAULTS.items() if key not in asked]
+    if not any("," in text or "range(" in text or "choice(" in text for text in typed):
+        added += [f"{key}={values}" for key, values in AXES.items() if key not in asked]
+    return Sweep(["-m", *options, *typed, *added], partial(conclude, tuple(typed)))
+
+
+def parser() -> Parser:
+    """Return the arguments it takes."""
+    return Parser("robust", "Find the fastest plan that succeeds as often as asked.", EPILOG, overrides=True)
