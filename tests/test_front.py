@@ -1,65 +1,70 @@
-"""The search for the fastest plan that succeeds: what is searched, when flights end, what is on the front."""
+"""What is answered before the program behind it is imported: the same choices and options as Hydra finds."""
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
-from scipy.stats import binom
+from hydra._internal.utils import get_args_parser
+from program import assert_refused, told
 
-from benchbench.analysis.binomial import decided, exact_bound
-from benchbench.analysis.front import Candidate, candidate, fastest, front
-from benchbench.cli import commands
-from benchbench.errors import BadInput
-from benchbench.report.front import draw_front
+from benchbench.cli import front
+from benchbench.run import choices, config
 
-
-def flown(travel_time: float, succeeded: int, flights: int = 59) -> Candidate:
-    row = {
-        "certified": True, "travel_time_s": travel_time, "flights": flights, "flights_succeeded": succeeded,
-        "flights_low_exact": exact_bound(succeeded, flights), "flights_low": 0.1, "flights_high": 0.9,
-    }  # fmt: skip
-    found = candidate([f"slope={travel_time}"], row)
-    assert found is not None
-    return found
+SMALL = ("+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=12", "picture=false")
+HEAVY = {"numpy", "scipy", "pandas", "casadi", "hydra", "pydantic", "pyarrow", "matplotlib", "omegaconf"}
+LATER = {"scipy", "pandas", "matplotlib"}
 
 
-@pytest.mark.parametrize(("successes", "runs"), [(59, 59), (50, 59), (1, 20), (92, 93)])
-def test_the_exact_bound_is_the_rate_at_which_so_many_successes_are_as_rare_as_one_in_twenty(
-    successes: int, runs: int
-) -> None:
-    assert binom.sf(successes - 1, runs, exact_bound(successes, runs)) == pytest.approx(0.05)
+@pytest.mark.parametrize("family", [*choices.FAMILIES, "peer"])
+def test_choices_are_those_that_hydra_finds(family: str) -> None:
+    assert choices.choices(family) == config.choices(family)
 
 
-def test_flights_end_where_more_of_them_decide_nothing() -> None:
-    """59 of 59 prove 95 %; with one failure 93 are needed, so that 59 cannot prove it any more."""
-    assert decided(59, 59, 93, 0.95) and not decided(58, 58, 93, 0.95)
-    assert decided(10, 11, 59, 0.95) and not decided(10, 11, 93, 0.95)
-    assert decided(92, 93, 200, 0.95) and not decided(91, 92, 200, 0.95)
+def test_families_and_options_are_all_there_are() -> None:
+    assert tuple(config.KINDS) == choices.FAMILIES
+    options = {name for action in get_args_parser()._actions for name in action.option_strings}
+    ours = {"--version", "--traceback"}
+    assert {name for name in options if name.startswith("--")} | ours == {*front.LONG}
+    assert {*front.ELSEWHERE} < options
 
 
-def test_the_front_has_what_no_other_plan_beats() -> None:
-    found = [flown(3.2, 59), flown(2.9, 2), flown(3.0, 40), flown(3.1, 30), flown(3.3, 59), flown(2.85, 2)]
-    assert [(one.travel_time, one.succeeded) for one in front(found)] == [(2.85, 2), (3.0, 40), (3.2, 59)]
-    best = fastest(found, 0.95)
-    assert best is not None and best.travel_time == 3.2
-    assert fastest(found, 0.97) is None
-    assert candidate([], {"certified": False, "flights": None}) is None
+def test_own_configuration_counts(tmp_path: Path) -> None:
+    """For the help and for what is refused, in both ways to write the option."""
+    (tmp_path / "own" / "vehicle").mkdir(parents=True)
+    (tmp_path / "own" / "vehicle" / "mine.yaml").write_text("x: 1")
+    for option in (["--config-dir", "own"], ["--config-dir=own"], ["-cd", "own"]):
+        assert "mine" in told(tmp_path, "--help", *option).stdout
+        assert_refused(
+            told(tmp_path, *option, "+scenario=static", "vehicle=other"), "vehicle", "'other' does not exist"
+        )
+        done = told(tmp_path, *option, "+scenario=static", "vehicle=mine", "time_limit=-1")
+        assert_refused(done, "time_limit")
 
 
-def test_what_is_searched() -> None:
-    """The slope and the aim, unless something else is given as a list."""
-    usual = commands.run("robust", ["+scenario=circle", "flights=100"])
-    assert isinstance(usual, commands.Sweep)
-    assert {"-m", "+scenario/contact=approach", "flights=100", "target_success=0.95"} <= set(usual.arguments)
-    assert sum("," in text for text in usual.arguments) == 2
-    own = commands.run("robust", ["+scenario=circle", "scenario.authority=0,0.05"])
-    assert isinstance(own, commands.Sweep)
-    assert [text for text in own.arguments if "," in text] == ["scenario.authority=0,0.05"]
-    with pytest.raises(BadInput, match="scenario"):
-        commands.run("robust", ["flights=3"])
+def test_what_is_not_plain_is_left_to_hydra(tmp_path: Path) -> None:
+    """Several choices, a nested one, one that is taken away, another configuration."""
+    for asked in (
+        ["-m", "solver=nope"], ["solver=ipopt,nope"], ["strategy@strategy.of=nope"], ["solver=null"], ["~solver"],
+        ["solver=nope", "hydra.searchpath=[file:///elsewhere]"], ["--config-name", "x", "solver=nope"],
+    ):  # fmt: skip
+        assert front.answer(["+scenario=static", *asked]) is None
 
 
-def test_the_picture_of_a_front(tmp_path: Path) -> None:
-    draw_front(tmp_path / "front.png", [flown(3.2, 59), flown(2.9, 2)], 0.95, "circle")
-    assert (tmp_path / "front.png").stat().st_size > 10_000
+def imported(*arguments: str, folder: Path) -> set[str]:
+    """Packages that the program imports."""
+    command = [sys.executable, "-X", "importtime", "-m", "benchbench", *arguments]
+    told = subprocess.run(command, capture_output=True, text=True, cwd=folder, check=False).stderr
+    lines = [line for line in told.splitlines() if line.startswith("import time:")]
+    return {line.rpartition("|")[2].strip().partition(".")[0] for line in lines}
+
+
+def test_help_imports_nothing_heavy(tmp_path: Path) -> None:
+    assert not HEAVY & imported("--help", folder=tmp_path)
+
+
+def test_a_plain_run_imports_nothing_that_it_does_not_need(tmp_path: Path) -> None:
+    found = imported(*SMALL, folder=tmp_path)
+    assert {"casadi", "hydra", "pyarrow"} < found and not LATER & found
