@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,8 +12,10 @@ from benchbench.errors import BadInput
 EPILOG = """A picture is the one that the run would have drawn, as far as today's program draws the same.
 
 examples
-  benchbench draw results/runs/DATE/TIME        one run, or its plan.mcap
-  benchbench draw results/sweeps/DATE/TIME      all runs of a sweep that have none yet
+  benchbench draw results/runs/DATE/TIME                       one run, or its plan.mcap: plan.png
+  benchbench draw results/sweeps/DATE/TIME                     all runs of a sweep that have none yet
+  benchbench draw results/runs/DATE/TIME --output plan.pdf     for a paper: .pdf, .svg, fonts embedded
+  benchbench draw results/runs/DATE/TIME --output plan.gif     as it is flown: .gif, .mp4
 """
 
 
@@ -20,16 +23,30 @@ def run(arguments: Sequence[str]) -> int:
     """Draw, and print where the pictures are. Raises BadInput for what is no run with a plan."""
     from benchbench.run.redraw import draw_stored, redraw
 
+    asked = parser().parse_args(arguments)
+    _check(asked)
     drawn: list[Path] = []
-    for given in parser().parse_args(arguments).run:
+    for given in asked.run:
         found = _runs(given)
+        alone = found == [_folder(given)]
+        if asked.output and not alone:
+            raise BadInput("--output", "takes the plan of one run", "a run's folder, or no --output")
         drawn += (
-            [draw_stored(found[0])] if found == [_folder(given)] else [p for p in map(redraw, found) if p]
+            [draw_stored(found[0], asked.output, asked.fps)]
+            if alone
+            else [p for p in map(redraw, found) if p]
         )
     for path in drawn:
         print(path)
     print(f"{len(drawn)} picture{'' if len(drawn) == 1 else 's'} drawn")
     return 0
+
+
+def _check(asked: Namespace) -> None:
+    if asked.output and len(asked.run) > 1:
+        raise BadInput("--output", f"{len(asked.run)} runs were given", "one run")
+    if not 1 <= asked.fps <= 100:
+        raise BadInput("--fps", f"{asked.fps:g} was given", "a number from 1 to 100")
 
 
 def _folder(given: Path) -> Path:
@@ -54,12 +71,21 @@ def _runs(given: Path) -> list[Path]:
 
 def parser() -> Parser:
     """Return the arguments it takes."""
-    takes = Parser("draw", "Draw plan.png of stored runs.", EPILOG)
+    takes = Parser("draw", "Draw the plans of stored runs.", EPILOG)
     takes.add_argument(
         "run",
         type=Path,
         nargs="+",
         metavar="RUN",
         help="a run's folder or its plan.mcap, or a folder of runs",
+    )
+    takes.add_argument(
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="a file in .png, .pdf, .svg, .gif or .mp4 (default: plan.png of the run)",
+    )
+    takes.add_argument(
+        "--fps", type=float, default=20.0, metavar="N", help="frames per second of a film (default: 20)"
     )
     return takes
