@@ -14,7 +14,7 @@ from flights import HEIGHT, REST, Polynomial, table_one
 from benchbench.arrays import Array
 from benchbench.certificate.bound import bounded, lower_bound
 from benchbench.certificate.contact_bound import Visit
-from benchbench.certificate.handover_bound import handover_bound, level_bound
+from benchbench.certificate.handover_bound import Bound, handover_bound, level_bound
 from benchbench.certificate.leg import Leg
 from benchbench.certificate.speed_bound import sequence_bound
 from benchbench.certificate.turning import ByRate, ByTorque
@@ -243,6 +243,8 @@ def test_the_demand_that_limits_a_flight_is_named() -> None:
     assert handover_bound(far, MODEL, plant).demand == "speed and thrust along y"
     aside = task([[1.0, 2.5, 0.4]], end=HOVERING | {"x": 2.0}, contact_seconds=1.0)
     assert handover_bound(aside, MODEL, plant).demand == "the way to the target and on"
+    slow = task([[0.0, 2.0, 0.4]], travel_time=(9.0, 12.0))
+    assert handover_bound(slow, MODEL, plant) == Bound(9.0, "the least travel time allowed")
     behind = task(
         [[0.5, 0.0, 0.4], [-0.1, 0.0, 0.0]], contacts={"position": Position(), "heading": Heading()}
     )

@@ -29,6 +29,11 @@ class Bound:
 
 def handover_bound(scenario: Handover, model: Model, plant: Plant) -> Bound:
     """Return the largest bound of the sequence of stops for which it is least; all of them are proofs."""
+    allowed = Bound(scenario.travel_time[0], "the least travel time allowed")
+    return max(allowed, _quickest(scenario, model, plant), key=_seconds)
+
+
+def _quickest(scenario: Handover, model: Model, plant: Plant) -> Bound:
     return min(
         (_proved(scenario, made, model, plant) for made in scenario.itinerary.sequences()), key=_seconds
     )

@@ -17,8 +17,8 @@ from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.planning.elastic import Eased, ease
 
-PATIENCE = 150
-"""Iterations of a solve with slack: 20 to 120 are usual."""
+PATIENCE = 250
+"""Iterations of a solve with slack: 20 to 160 are usual."""
 MOST = 2
 """Demands that are named on either side."""
 SHARE = 0.2
