@@ -11,7 +11,8 @@ from benchbench import pipeline
 from benchbench.storage.status import Status
 
 COMBINATIONS = [
-    ("midpoint", "scholtes", "sleqp"), ("midpoint", "kadrani", "ipopt"), ("midpoint", "elastic", "uno"),
+    pytest.param("midpoint", "scholtes", "sleqp", marks=pytest.mark.slow),  # its timers: docs/solvers.md
+    ("midpoint", "kadrani", "ipopt"), ("midpoint", "elastic", "uno"),
     ("rk4", "direct", "ipopt"), ("rk4", "scholtes", "fatrop"), ("rk4", "l1_penalty", "ipopt"),
     ("trapezoidal", "kanzow_schwartz", "ipopt"), ("trapezoidal", "scholtes", "uno"),
     ("trapezoidal", "fischer_burmeister", "sqpmethod"), ("trapezoidal", "augmented_lagrangian", "ipopt"),

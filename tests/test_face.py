@@ -241,6 +241,7 @@ def test_no_name_of_the_face_hides_a_room() -> None:
     assert all(getattr(bb, name) is not None for name in bb.__all__)
 
 
+@pytest.mark.slow
 def test_the_notebook_says_what_it_shows(tmp_path: Path) -> None:
     import nbformat  # with the kernel it takes a second that the other tests here need not wait
     from nbclient import NotebookClient

@@ -164,7 +164,7 @@ def test_the_track_is_coloured_by_speed_with_its_gates(flown: pipeline.Run) -> N
 def test_the_page_has_the_table_and_opens_without_an_error(tmp_path: Path) -> None:
     done = told(
         tmp_path, "-m", "+scenario=race", "scenario.gates=1,2", "scenario.nodes_per_gate=20",
-        "dynamics=rk4,lie_verlet", "picture=false",
+        "dynamics=rk4,lie_verlet", "picture=false", "workers=1",
     )  # fmt: skip
     assert done.returncode in (0, 1), done.stderr
     assert told(tmp_path, "report", "results").returncode == 0
