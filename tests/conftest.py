@@ -10,14 +10,14 @@ from pathlib import Path
 
 import pytest
 from sharing import Once, made_once
-from shipped import read_once
+from shipped import compose_once
 
 # Libraries read it when they are loaded; one worker per core is enough.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 # Tests start hundreds of interpreters: one may compile our files for the next, and pytest keep its rewritten ones.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
-read_once()
+compose_once()
 
 
 def pytest_collection_finish() -> None:
