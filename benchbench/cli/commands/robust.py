@@ -1,4 +1,4 @@
-"""`benchbench robust [OVERRIDE ...]`: the fastest plan that succeeds as often as asked, and what success costs."""
+"""`benchbench robust [OVERRIDE ...]`: the fastest plan that succeeds in flight."""
 
 from __future__ import annotations
 
