@@ -110,6 +110,17 @@ def test_a_replay_that_starts_again_has_no_jump(flown: pipeline.Run) -> None:
     assert np.abs(way - between).max() < 0.02
 
 
+def test_two_worlds_agree(flown: pipeline.Run, reference: Reference) -> None:
+    """MuJoCo's and the ordinary differential equations', both under the same mismatch, until the ball is met."""
+    logs = [
+        asked("mismatch=lab", f"world={world}")[1].once(reference, frame(flown).airframe, 1).log
+        for world in ("mujoco", "ode")
+    ]
+    before = logs[0].time < reference.window[0] - 0.2
+    one, other = (log.state[: before.sum(), :3] for log in logs)
+    assert np.abs(one - other).max() < 2e-3
+
+
 class Failing(Controller):
     """Hands on what another controller commands, spoilt after half a second."""
 

@@ -16,6 +16,7 @@ from benchbench.flight.reference import Reference
 from benchbench.flight.rig import Rig
 from benchbench.flight.world import STEP, Actuators, Truth, World
 from benchbench.ocp.airframe import Airframe
+from benchbench_plugins.worlds.devices import Devices
 from benchbench_plugins.worlds.mjcf import TIP, Ball, mjcf
 from benchbench_plugins.worlds.surroundings import Surroundings
 
@@ -44,7 +45,8 @@ class Mujoco(World):
         ball = Ball(reference.ball_radius, rig.ball_mass * (1 + mismatch.ball_mass), reference.reach)
         model, data = compiled(airframe, rig, ball, mismatch)
         place(data, reference.state[0], reference.target[0], ball.radius)
-        return _Running(model, data, reference, airframe, rig, mismatch, self.servo).step
+        devices = Devices(rig, mismatch, reference.inputs[0, :4], self.servo)
+        return _Running(model, data, reference, mismatch, devices).step
 
 
 def compiled(airframe: Airframe, rig: Rig, ball: Ball, mismatch: Drawn) -> tuple[Any, Any]:
@@ -75,25 +77,22 @@ class _Running:
     """One world that is being moved on."""
 
     def __init__(
-        self, model: Any, data: Any, reference: Reference, airframe: Airframe, rig: Rig, mismatch: Drawn,
-        servo: tuple[float, float],
-    ) -> None:  # fmt: skip
+        self, model: Any, data: Any, reference: Reference, mismatch: Drawn, devices: Devices
+    ) -> None:
         import mujoco
 
-        self.advance, self.model, self.data, self.servo = mujoco.mj_step, model, data, servo
+        self.advance, self.model, self.data = mujoco.mj_step, model, data
         self.names = {model.geom(name).id: name for name in ("ground", "magnet", "ball")}
         self.magnet, self.vehicle = model.geom("magnet").id, model.body("vehicle").id
         self.own = {i for i in range(model.ngeom) if model.geom_bodyid[i] in (self.vehicle, self.vehicle + 1)}
         self.centre, self.tip = data.xpos[model.body("ball").id], data.geom_xpos[self.magnet]
-        self.count, self.start, self.rig, self.mismatch = 0, float(reference.time[0]), rig, mismatch
+        self.count, self.start = 0, float(reference.time[0])
         late = round(mismatch.target_late / reference.step)
         rows = np.clip(np.arange(len(reference.time)) - late, 0, None)
         self.target = reference.target[rows] - [0, 0, reference.ball_radius, 0, 0, 0]
         self.held = reference.ball_radius + TIP + TOUCHING
         self.surroundings = Surroundings(mismatch, reference.window[0])
-        self.motors = reference.inputs[0, :4].copy()
-        self.gain = (1 + mismatch.thrust) * (1 + mismatch.motor) * [1 + mismatch.first_motor, 1.0, 1.0, 1.0]
-        self.quickness = 1 - math.exp(-STEP / mismatch.motor_lag) if mismatch.motor_lag > 0 else 1.0
+        self.devices = devices
         data.ctrl[5] = 1.0
 
     def step(self, actuators: Actuators) -> Truth:
@@ -101,9 +100,8 @@ class _Running:
         data, time = self.data, self.start + self.count * STEP
         row = min(self.count, len(self.target) - 1)
         data.qpos[8:11], data.qvel[VEHICLE:STAND] = self.target[row, :3], self.target[row, 3:]
-        self.motors += self.quickness * (np.clip(actuators.motors, *self.rig.motor_force) - self.motors)
-        data.ctrl[:4] = self.motors * self.gain
-        data.ctrl[4] = self._servo(*actuators.arm)
+        data.ctrl[:4] = self.devices.motors(actuators.motors)
+        data.ctrl[4] = self.devices.torque(actuators.arm, float(data.qpos[7]), float(data.qvel[6]))
         data.xfrc_applied[self.vehicle, :3] = self.surroundings.force(
             time, data.qvel, float(data.qpos[2]), float(data.ctrl[:4].sum())
         )
@@ -112,14 +110,6 @@ class _Running:
         state = np.concatenate([data.qpos[:8], data.qvel[:VEHICLE]])
         ball = np.concatenate([data.qpos[11:14], data.qvel[STAND : STAND + 3]])
         return Truth(time + STEP, state, ball, self._attached(), self._touched() if data.ncon else "")
-
-    def _servo(self, angle: float, rate: float, torque: float) -> float:
-        """A loop of its own about what it is told; its sensor tells too little by the bias."""
-        stiffness, damping = self.servo
-        error = angle - (float(self.data.qpos[7]) - self.mismatch.servo_bias)
-        asked = torque + stiffness * error + damping * (rate - float(self.data.qvel[6]))
-        low, high = self.rig.servo_torque
-        return min(max(asked, low), high)
 
     def _attached(self) -> bool:
         tip, centre = self.tip, self.centre
