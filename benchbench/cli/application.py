@@ -14,9 +14,9 @@ from hydra._internal.utils import get_args_parser
 from hydra.core.config_search_path import ConfigSearchPath
 from omegaconf import DictConfig
 
-from benchbench.cli import commands, front
+from benchbench.cli import commands, front, sweep_summary
 from benchbench.cli.composing import compose_and_run
-from benchbench.errors import BadInput
+from benchbench.errors import BadInput, Unavailable
 from benchbench.run import config, summary
 from benchbench.run.drawing import drawn
 from benchbench.run.execution import BAD_INPUT, CERTIFIED, Ended, Place, execute, failure
@@ -52,7 +52,7 @@ def start(arguments: Sequence[str]) -> int:
             if isinstance(error, EXPECTED) or not isinstance(error, OSError)
             else _file(error)
         )
-        complain("bad input", str(told))
+        complain("unavailable" if isinstance(error, Unavailable) else "bad input", str(told))
         return BAD_INPUT
 
 
@@ -80,6 +80,8 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
     if finish and call.swept:
         finish(call.swept)
     elif len(call.codes) > 1:
+        if call.swept:
+            sweep_summary.conclude(call.swept)
         summary.count(call.codes.count(CERTIFIED), len(call.codes))
     return max(call.codes, default=CERTIFIED)
 

@@ -87,11 +87,11 @@ def _text(how: Sequence[str], told: Outcome, tasks: Sequence[Task]) -> Iterator[
     yield from (f"{label:<13}  {text}" for label, text in _lines(how, told).items())
     for one, row in tasks:
         if row is None or row["certified"] is not True:
-            yield f"{command(one)}  # {row['status'] if row else 'bad_input'}: {_why(row)}"
+            yield f"{command(one)}  # {row['status'] if row else 'bad_input'}: {why(row)}"
 
 
-def _why(row: Row | None) -> str:
-    """The first reason, in a line; the file has all."""
+def why(row: Row | None) -> str:
+    """Return the first reason, in a line; the record has all."""
     reasons = (row["reasons"] or ()) if row else ()
     more = f", and {len(reasons) - 1} more" if len(reasons) > 1 else ""
     return " ".join(reasons[0].split()) + more if reasons else "it was refused, see above"

@@ -20,7 +20,16 @@ from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
 from benchbench import pipeline
-from benchbench.errors import BadInput, BenchBenchError, Crash, NoPlan, OutOfMemory, Pruned, Timeout
+from benchbench.errors import (
+    BadInput,
+    BenchBenchError,
+    Crash,
+    NoPlan,
+    OutOfMemory,
+    Pruned,
+    Timeout,
+    Unavailable,
+)
 from benchbench.run import config, flying, memory, settings
 from benchbench.run.failure import cut, failed, reason
 from benchbench.run.hydra_errors import EXPECTED, explained
@@ -221,6 +230,8 @@ def _complaint(error: BaseException, told: BaseException) -> Complaint:
         return Complaint("the process of the run died", reason(told))
     if isinstance(told, NoPlan):
         return Complaint("there is no plan", reason(told))
+    if isinstance(told, Unavailable):
+        return Complaint("unavailable", reason(told), trace)
     if isinstance(told, BenchBenchError):
         return Complaint("bad input", reason(told), trace)
     advice = "\n--traceback shows where; if no wrong input is named, please report it"

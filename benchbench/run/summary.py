@@ -31,7 +31,7 @@ def show(record: Mapping[str, Any], paths: Mapping[str, Path], console: Console 
         grid.add_row(name, text)
     console.print(grid)
     if new_best(record) and "record" in paths:
-        folder = shlex.quote(_near(paths["record"].parent))
+        folder = shlex.quote(near(paths["record"].parent))
         console.print(
             Text(f"{'keep it':<13}", style="bold") + Text(f"benchbench best {folder}"), soft_wrap=True
         )
@@ -39,9 +39,11 @@ def show(record: Mapping[str, Any], paths: Mapping[str, Path], console: Console 
         console.print(Text(f"{name:<13}", style="bold") + Text(place, style="not bold"), soft_wrap=True)
 
 
-def show_line(number: int, record: Mapping[str, Any], combination: str) -> None:
-    """Print one run of a sweep on one line, cut to the width of a terminal."""
-    console = Console(highlight=False)
+def show_line(
+    number: int, record: Mapping[str, Any], combination: str, console: Console | None = None
+) -> None:
+    """Print one run of a sweep on one line, cut to the width of a terminal; console: as of `complain`."""
+    console = console or Console(highlight=False)
     verdict = "certified" if record["certified"] else f"NOT: {record['status']}"
     if record["certified"] and record["b_stationary"] == "no":
         verdict = "not stationary"
@@ -255,8 +257,8 @@ def _places(paths: Mapping[str, Path]) -> dict[str, str]:
     files = [path for path in paths.values() if path.is_file()]
     folders = [path for path in paths.values() if not path.is_file()]
     together = Path(commonpath([path.parent for path in files])) if files else None
-    shown = {"files": _near(together), "": " ".join(path.name for path in files)} if together else {}
-    return shown | ({"table": _near(folders[0])} if folders else {})
+    shown = {"files": near(together), "": " ".join(path.name for path in files)} if together else {}
+    return shown | ({"table": near(folders[0])} if folders else {})
 
 
 def _number(value: float | None, form: str, unit: str) -> str:
@@ -267,7 +269,8 @@ def _scaled(value: float | None, factor: float, unit: str) -> str:
     return "" if value is None else f"{value * factor:.3g} {unit}"
 
 
-def _near(path: Path) -> str:
+def near(path: Path) -> str:
+    """Return a path below the current folder relative to it."""
     try:
         return str(path.resolve().relative_to(Path.cwd()))
     except ValueError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Mapping, Sequence
 
 from rich.console import Console
@@ -58,10 +57,14 @@ def _columns(rows: Mapping[str, str]) -> str:
     return "\n".join(line.rstrip() for line in captured.get().splitlines())
 
 
-def complain(kind: str, text: str, trace: str = "") -> None:
-    """Print one message on stderr, below the traceback that led to it, if one is given."""
-    sys.stderr.write(trace)
-    console = Console(stderr=True, highlight=False)
+def complain(kind: str, text: str, trace: str = "", console: Console | None = None) -> None:
+    """Print one message on stderr, below the traceback that led to it, if one is given.
+
+    console: that of a live display, above which it has to stand.
+    """
+    console = console or Console(stderr=True, highlight=False)
+    if trace:
+        console.print(Text(trace), soft_wrap=True, end="")
     console.print(Text("benchbench: ") + Text(kind, "bold red"), soft_wrap=True)
     for line in text.splitlines():
         console.print(Text(f"  {line}"), soft_wrap=True)

@@ -22,16 +22,19 @@ class Display:
 
     def __init__(self, runs: int, traced: bool, shared: Collection[str] = ()) -> None:
         """Take the number of runs, whether to show where errors came from, and overrides not worth repeating."""
-        console = Console(stderr=True)
+        console = Console(stderr=True, highlight=False)
         self._shared = frozenset(shared)
         self._runs, self._traced, self._failures, self._certified = runs, traced, Counter[str](), 0
         self._bar = Progress(
             BarColumn(20), MofNCompleteColumn(), TextColumn("{task.description}", markup=False),
-            TimeRemainingColumn(), console=console, transient=True, redirect_stdout=sys.stdout.isatty(),
+            TimeRemainingColumn(), console=console, transient=True, redirect_stdout=False, redirect_stderr=False,
         )  # fmt: skip
         self._waits = False
         self._task = self._bar.add_task("runs", total=runs)
         self._seen = console.is_terminal
+        # Past the live display a line would be glued to the bar that stands there.
+        self._errors = console if self._seen else None
+        self._rows = console if self._seen and sys.stdout.isatty() else None
 
     def __enter__(self) -> Self:
         """Start showing."""
@@ -55,7 +58,11 @@ class Display:
     def waits(self, runs: int) -> None:
         """Say once that the rest is at work elsewhere."""
         if not self._waits:
-            print(f"waiting for {runs} runs that another sweep into this folder is at", flush=True)
+            note = f"waiting for {runs} runs that another sweep into this folder is at"
+            if self._rows:
+                self._rows.print(note, soft_wrap=True)
+            else:
+                print(note, flush=True)
         self._waits = True
 
     def ended(self, number: int, overrides: Sequence[str], end: Ended) -> None:
@@ -63,9 +70,9 @@ class Display:
         combination = " ".join(text for text in overrides if text not in self._shared)
         for complaint in end.complaints:
             where = f"{complaint.kind} (run {number}: {combination})"
-            complain(where, complaint.text, complaint.trace if self._traced else "")
+            complain(where, complaint.text, complaint.trace if self._traced else "", self._errors)
         if end.record is not None and not end.complaints:
-            summary.show_line(number, end.record, combination)
+            summary.show_line(number, end.record, combination, self._rows)
         status = str(end.record["status"]) if end.record else "bad input"
         self._certified += status == "certified"
         self._failures[status] += status != "certified"

@@ -25,6 +25,8 @@ class Swept:
     overrides: tuple[str, ...]
     code: int
     place: Place | None
+    number: int = 0
+    earlier: bool = False
 
 
 def sweep(
@@ -38,7 +40,7 @@ def sweep(
     search_path: Hydra's, for the workers; traced: show where errors came from; engine: who carries them out.
     """
     by_number = {combination.number: combination for combination in combinations}
-    with Display(len(combinations), traced, _shared(combinations)) as display:
+    with Display(len(combinations), traced, shared([one.overrides for one in combinations])) as display:
         account = _Account(display)
         agenda = Agenda(combinations, account)
         for task, told in engine(agenda.tasks(), search_path):
@@ -47,10 +49,16 @@ def sweep(
             agenda.done(place)
             account.ended(by_number[job.number], end)
     if account.earlier:
-        note = f"{account.earlier} of {len(combinations)} runs are in the table and are skipped"
+        note = f"{len(account.earlier)} of {len(combinations)} runs are in the table and are skipped"
         Console(highlight=False).print(f"{note}; rerun=all runs them again", soft_wrap=True)
     return [
-        Swept(tuple(one.overrides), account.codes[number], agenda.places.get(number))
+        Swept(
+            tuple(one.overrides),
+            account.codes[number],
+            agenda.places.get(number),
+            number,
+            number in account.earlier,
+        )
         for number, one in by_number.items()
     ]
 
@@ -72,7 +80,7 @@ class _Account:
 
     def __init__(self, display: Display) -> None:
         self.codes: dict[int, int] = {}
-        self.earlier = 0
+        self.earlier: set[int] = set()
         self._display = display
 
     def ended(self, combination: Combination, end: Ended) -> None:
@@ -83,15 +91,13 @@ class _Account:
 
     def skipped(self, combination: Combination, code: int) -> None:
         self.codes[combination.number] = code
-        self.earlier += 1
+        self.earlier.add(combination.number)
         self._display.skipped()
 
     def waits(self, runs: int) -> None:
         self._display.waits(runs)
 
 
-def _shared(combinations: Sequence[Combination]) -> set[str]:
-    """Overrides that all of several combinations have."""
-    if len(combinations) < 2:
-        return set()
-    return set.intersection(*(set(combination.overrides) for combination in combinations))
+def shared(overrides: Sequence[Sequence[str]]) -> set[str]:
+    """Return what all of several combinations have, which is not worth repeating."""
+    return set.intersection(*map(set, overrides)) if len(overrides) > 1 else set()
