@@ -27,7 +27,8 @@ AXES = {
     "scenario.aim.position": "0.6,1.0",
 }
 """What is searched where nothing else is: how fast the ball is neared, and how near to it the plan aims."""
-DEFAULTS = {"flights": "59", "target_success": "0.95", "residual": "observer"}
+DEFAULTS = {"flights": "124", "target_success": "0.95", "residual": "observer"}
+"""124 flights prove 95 % with two failures, 93 with one, 59 with none."""
 
 
 def run(arguments: Sequence[str]) -> Sweep:
