@@ -19,7 +19,8 @@ from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge
 from benchbench.planning.validate import validate
 from benchbench.storage import provenance
-from benchbench.storage.best_known import BestKnown, packaged
+from benchbench.storage.best_known import BestKnown
+from benchbench.storage.best_known import known as best_known
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ def run(
     told |= flown.columns if flown else {}
     ready = {**before, **costs, **told, **(labels or {})}
     record = columns.record(case, result, certificate, ledger, ready)
-    record |= (known or BestKnown.load(packaged())).compare(record)
+    record |= (known or best_known()).compare(record)
     return Run(case, result, certificate, record, flown)
 
 

@@ -16,7 +16,7 @@ from benchbench import pipeline
 from benchbench.cli.commands import best
 from benchbench.errors import BadInput
 from benchbench.run import config
-from benchbench.storage.best_known import BestKnown, net_time, packaged
+from benchbench.storage.best_known import OF_SUITES, BestKnown, net_time, packaged
 from benchbench.storage.files import write_bytes, write_record
 from benchbench.storage.schema import Record, make_record
 
@@ -199,6 +199,23 @@ def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
         assert case.task_hash == entry["task_hash"]
         assert (case.scenario.name, case.scenario.grid_intervals) == (entry["scenario"], entry["intervals"])
         assert case.limits == limits(entry["scenario"])
+
+
+def test_values_of_suites_belong_to_their_commands() -> None:
+    """One in 20, of each family at least one; all are told apart from those of plain scenarios."""
+    entries = list(BestKnown.load(packaged(OF_SUITES)).entries.values())
+    families = {e["scenario"].rpartition("_")[0]: e for e in entries}
+    assert (
+        set(families) <= {"random_handover", "random_hardware", "random_race", "random_delivery"}
+        and len(families) >= 3
+    )
+    assert not {e["task_hash"] for e in entries} & set(BestKnown.load(packaged()).entries)
+    for entry in {e["task_hash"]: e for e in [*entries[::20], *families.values()]}.values():
+        case = composing.case_of(*shlex.split(entry["command"]))
+        assert (case.task_hash, case.scenario.name) == (entry["task_hash"], entry["scenario"])
+        assert BestKnown.load(packaged(OF_SUITES)).compare(
+            {"task_hash": entry["task_hash"], "travel_time_s": 2 * entry["travel_time_s"], "reward_s": 0.0, "certified": True}
+        ) == {"best_known_s": entry["travel_time_s"], "gap_percent": pytest.approx(100.0)}  # fmt: skip
 
 
 REACHED = {

@@ -34,7 +34,7 @@ from benchbench.run import config, flying, memory, settings
 from benchbench.run.failure import cut, failed, reason
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.progress import LiveLine
-from benchbench.storage.best_known import BEST_KNOWN, REFERENCES, BestKnown, packaged
+from benchbench.storage.best_known import BEST_KNOWN, REFERENCES, known
 from benchbench.storage.claims import alone_in
 from benchbench.storage.contents import contents
 from benchbench.storage.files import RECORD, run_name, vacate, write_record
@@ -242,11 +242,11 @@ def _run(cfg: DictConfig, place: Place) -> tuple[pipeline.Run, dict[str, Path]]:
     case, asked = config.build(cfg, place.chosen), flying.campaign(cfg, place.chosen)
     how = settings.Settings.of(cfg)
     _check_writable(place.root)
-    known = BestKnown.load(packaged(), *place.references)
+    best = known(*place.references)
     told = instantiate(cfg.on_step) if cfg.get("on_step") else None
     alone = contextlib.nullcontext() if place.sweep else alone_in(place.folder, place.root)
     with alone, LiveLine(told) as line:
-        done = pipeline.run(case, line, place.labels, how.repeats, known, asked)
+        done = pipeline.run(case, line, place.labels, how.repeats, best, asked)
         line.stage("files", None)
         return done, pipeline.write(done, place.folder, place.root, written(cfg), how.draws(place.sweep))
 

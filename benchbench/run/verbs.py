@@ -24,7 +24,7 @@ from benchbench.run.progress import LiveLine
 from benchbench.run.settings import Settings
 from benchbench.run.sources import Live, Stored
 from benchbench.run.view import RunView
-from benchbench.storage.best_known import BEST_KNOWN, REFERENCES, BestKnown, packaged
+from benchbench.storage.best_known import BEST_KNOWN, REFERENCES, known
 from benchbench.storage.files import PLAN, RECORD
 
 if TYPE_CHECKING:
@@ -120,11 +120,11 @@ def _run(case: Case | ReadyCase, cfg: DictConfig, flights: Campaign | None) -> R
             raise BadInput(
                 name, "can only be kept in a process of its own", "null, time_limit, or the program"
             )
-    known = BestKnown.load(packaged(), *(Path(place, BEST_KNOWN) for place in (str(cfg.output), REFERENCES)))
+    best = known(*(Path(place, BEST_KNOWN) for place in (str(cfg.output), REFERENCES)))
     labels = {"run_id": f"python_{datetime.now():%Y-%m-%d_%H-%M-%S-%f}", "config_hash": config_hash(cfg)}
     text, how = written(cfg), Settings.of(cfg)
     with LiveLine() as line:
-        done = pipeline.run(case, line, labels, how.repeats, known, flights)
+        done = pipeline.run(case, line, labels, how.repeats, best, flights)
     return RunView(done.record, text, Live(done, text, how.draws(sweep=False)))
 
 

@@ -16,6 +16,8 @@ from benchbench.storage.schema import Record
 
 BEST_KNOWN, REFERENCES = "best_known.yaml", "references"
 """Name of the file, and of the folder where it and other references are kept: no results, so that those can be deleted."""
+OF_SUITES = "best_known_suites.yaml"
+"""Name of the file with the tasks of suites, of which there are many."""
 SAME = 1e-6
 """Relative difference up to which two travel times are the same."""
 IDENTITY = ("scenario", "kappa_init", "vehicle", "dynamics", "intervals")
@@ -66,11 +68,16 @@ class BestKnown:
         _parsed.cache_clear()
 
 
-def packaged() -> Path:
-    """The file that comes with BenchBench: of the installed package, else of the checkout."""
+def packaged(name: str = BEST_KNOWN) -> Path:
+    """A file that comes with BenchBench: of the installed package, else of the checkout."""
     here = Path(__file__).resolve().parents[1]
-    installed = here / BEST_KNOWN
-    return installed if installed.is_file() else here.parent / REFERENCES / BEST_KNOWN
+    installed = here / name
+    return installed if installed.is_file() else here.parent / REFERENCES / name
+
+
+def known(*files: Path) -> BestKnown:
+    """Return all that comes with BenchBench, and what other files say; raises BadInput as `BestKnown.load` does."""
+    return BestKnown.load(packaged(), packaged(OF_SUITES), *files)
 
 
 def net_time(record: Mapping[str, Any]) -> float | None:
