@@ -242,3 +242,22 @@ def test_a_flight_is_recorded(flown: pipeline.Run, tmp_path: Path) -> None:
     assert next(c["time"] for c in contact if c["attached"]) == pytest.approx(
         one.verdict.attached_s, abs=0.021
     )
+
+
+def test_the_page_shows_what_success_costs() -> None:
+    """A point for each plan that was flown, its bar the Wilson interval; nothing where none was."""
+    import pandas as pd
+
+    from benchbench.report.html.charts import flights as page
+
+    rows = pd.DataFrame(
+        {
+            "flights": [20, 20, None], "flights_succeeded": [10, 20, None], "flights_low": [0.3, 0.84, None],
+            "flights_high": [0.7, 1.0, None], "travel_time_s": [3.0, 3.5, 2.8], "scenario": "circle",
+            "residual": ["none", "observer", None], "mismatch": "lab",
+        }
+    )  # fmt: skip
+    assert page.flown(rows) and not page.flown(rows.iloc[2:])
+    drawn = page.chart(rows).figure.data
+    assert [list(trace.x) for trace in drawn] == [[50.0], [100.0]]
+    assert list(drawn[1].error_x.arrayminus) == pytest.approx([16.0])

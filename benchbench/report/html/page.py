@@ -18,7 +18,7 @@ from plotly.offline import get_plotlyjs
 from benchbench import __version__
 from benchbench.analysis.races import races
 from benchbench.report.html import room, tables
-from benchbench.report.html.charts import cost_split, failures, profiles, travel_time, work_precision
+from benchbench.report.html.charts import cost_split, failures, flights, profiles, travel_time, work_precision
 from benchbench.report.html.charts import success as successes
 from benchbench.report.html.charts.chart import Chart, styles
 from benchbench.report.html.race_table import race_rows
@@ -107,6 +107,7 @@ def _sections(runs: pd.DataFrame) -> dict[str, list[Chart]]:
     style = styles(runs.method)
     return {
         "success": [successes.chart(runs), failures.chart(runs)],
+        **({"flights": [flights.chart(runs)]} if flights.flown(runs) else {}),
         "speed": [
             profiles.performance(runs, style),
             profiles.data(runs, style),

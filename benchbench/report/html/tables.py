@@ -25,7 +25,8 @@ RUN_COLUMNS = (
     "contact_gaps", "reasons", "advice", "objective", "lower_bound_s",
     "evaluations", "build_cpu_s", "certificate_cpu_s", "wall_s", "peak_memory_mb", "max_violation",
     "max_complementarity", "replay_drift_position_m", "replay_end_error_m", "max_rate_ratio", "contact_steps",
-    "contact_duration_s", "gates", "gates_passed", "gate_worst_miss_m", "vehicle", "seed",
+    "contact_duration_s", "gates", "gates_passed", "gate_worst_miss_m", "flights", "flights_succeeded", "flights_low_exact",
+    "flight_reasons", "flight_error_before_m", "flight_error_after_m", "flight_touch_p95_mps", "residual", "mismatch", "vehicle", "seed",
 )  # fmt: skip
 _BY_NAME = {column.name: column for column in COLUMNS}
 
