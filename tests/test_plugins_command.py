@@ -11,9 +11,13 @@ from program import told
 
 @pytest.fixture(scope="module")
 def printed(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
-    """Lines of the whole list."""
-    done = told(tmp_path_factory.mktemp("plugins"), "plugins")
+    """Lines of the whole list, found out anew; asked again, it is remembered, and the same."""
+    folder = tmp_path_factory.mktemp("plugins")
+    done = told(folder, "plugins", "--anew")
     assert done.returncode == 0, done.stderr
+    assert done.stderr.startswith("trying every solver")
+    again = told(folder, "plugins")
+    assert (again.stdout, again.stderr) == (done.stdout, "")
     return done.stdout.splitlines()
 
 

@@ -35,17 +35,18 @@ def answer(arguments: Sequence[str]) -> int | None:
         return None
     try:
         if arguments and arguments[0] in commands.names():
-            return _help(arguments[0], arguments[1:])
+            return _command(arguments[0], arguments[1:])
         return _answer([a for a in arguments if a != "--traceback"])
     except BenchBenchError as error:
         complain("bad input", str(error))
         return BAD_INPUT
 
 
-def _help(command: str, arguments: Sequence[str]) -> int | None:
+def _command(name: str, arguments: Sequence[str]) -> int | None:
+    """Its help, or what it remembers."""
     if not {"-h", "--help"} & {*arguments}:
-        return None
-    print(commands.parser(command).explain())
+        return commands.at_once(name, arguments)
+    print(commands.parser(name).explain())
     return DONE
 
 

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from benchbench.sweep.sweep import Swept
 
 
+REMEMBERS = "plugins"
+"""The command whose module has `at_once(arguments)`, too."""
+
+
 @dataclass(frozen=True)
 class Sweep:
     """The sweep that a command is short for, as arguments of the main command, and what it says about it at the end."""
@@ -41,6 +45,14 @@ def parser(name: str) -> Parser:
     """Return the arguments that a command takes."""
     takes: Parser = importlib.import_module(f"{__name__}.{name}").parser()
     return takes
+
+
+def at_once(name: str, arguments: Sequence[str]) -> int | None:
+    """Let a command answer that remembers, and return the exit code; None where it has to work."""
+    if name != REMEMBERS:
+        return None
+    told: int | None = importlib.import_module(f"{__name__}.{name}").at_once(arguments)
+    return told
 
 
 def run(name: str, arguments: Sequence[str]) -> int | list[str] | Sweep:

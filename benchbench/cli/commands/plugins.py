@@ -2,26 +2,53 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 
 from benchbench.cli.arguments import Parser
 
-EPILOG = """Solvers are tried in processes of their own, so that one which crashes, or has no licence, is told as such.
+EPILOG = """Solvers are tried in processes of their own, so that one which crashes, or has no licence, is told as such. What
+was found is remembered until Python, an installed distribution, a plugin, a library or a licence changes.
 
 examples
   benchbench plugins                    everything there is to choose from
+  benchbench plugins --anew             try all of it again
   benchbench plugins solver=ipopt       its own options, for each accuracy
   benchbench plugins relaxation=paper   what it is
 """
 
 
+REMEMBERED = "plugins"
+
+
+def at_once(arguments: Sequence[str]) -> int | None:
+    """Print the list where nothing has changed since it was made; None where it has to be made."""
+    from benchbench.cli.remembered import recall
+
+    if arguments or (lines := recall(REMEMBERED)) is None:
+        return None
+    print("\n".join(lines))
+    return 0
+
+
 def run(arguments: Sequence[str]) -> int:
     """Print the list; a solver that is not available here is told as such, it is no error. Raises BadInput."""
     from benchbench.cli.listing import listing
+    from benchbench.cli.remembered import keep
 
     asked = parser().parse_args(arguments)
+    if not asked.choice:
+        print(
+            "trying every solver, which takes a while; what is found is remembered",
+            file=sys.stderr,
+            flush=True,
+        )
+    lines = []
     for line in listing([asked.choice] if asked.choice else []):
         print(line)
+        lines.append(line)
+    if not asked.choice:
+        keep(REMEMBERED, lines)
     return 0
 
 
@@ -34,5 +61,8 @@ def parser() -> Parser:
     )
     takes.add_argument(
         "choice", nargs="?", metavar="FAMILY=NAME", help="one choice: what it is, and its options"
+    )
+    takes.add_argument(
+        "--anew", action="store_true", help="try everything anew, also where nothing seems to have changed"
     )
     return takes
