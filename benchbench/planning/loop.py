@@ -57,7 +57,7 @@ class Loop:
     def account(self) -> dict[str, Any]:
         """Columns that say what stands in the way, in place of what a plan that keeps nothing breaks."""
         if not self.conflict:
-            return {}
+            return {"conflict": ""}
         return {
             "conflict": self.conflict, "reasons": (self.conflict,), "status": Status.INFEASIBLE,
             "advice": "ease one of the demands that are named, or try strategy=multistart, which looks elsewhere",
