@@ -28,7 +28,9 @@ def conclude(typed: Sequence[str], swept: Sequence[Swept]) -> None:
     found = [
         one
         for s in swept
-        if s.place and (row := rows.get(s.place.labels["config_hash"])) and (one := candidate(_asked(s), row))
+        if s.place
+        and (row := rows.get(s.place.labels["config_hash"]))
+        and (one := candidate(_told(s.overrides), row))
     ]
     root = next((one.place.root for one in swept if one.place), None)
     if root is None or not found:
@@ -68,12 +70,13 @@ def _draw(path: object, found: Sequence[Candidate], target: float, typed: Sequen
         Path(str(path)),
         found,
         target,
-        f"What success costs: {' '.join(text for text in typed if ',' not in text)}",
+        f"What success costs: {' '.join(text for text in _told(typed) if ',' not in text)}",
     )
 
 
-def _asked(one: Swept) -> list[str]:
-    return [text for text in one.overrides if not keys([text]) & set(NOT_DECISIVE)]
+def _told(overrides: Sequence[str]) -> list[str]:
+    """Overrides that say what is flown, not where results go or how many run at once."""
+    return [text for text in overrides if not keys([text]) & set(NOT_DECISIVE)]
 
 
 def _differing(one: Candidate, found: Sequence[Candidate]) -> str:
