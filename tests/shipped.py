@@ -10,9 +10,11 @@ import pickle
 from functools import wraps
 from typing import Any
 
+from hydra._internal import defaults_list
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
 from hydra._internal.config_repository import ConfigRepository
 from hydra.core.object_type import ObjectType
+from omegaconf import OmegaConf
 
 from benchbench.run.choices import folder
 
@@ -26,6 +28,7 @@ def compose_once() -> None:
     ConfigLoaderImpl._compose_config_from_defaults_list = _merged(
         ConfigLoaderImpl._compose_config_from_defaults_list
     )
+    defaults_list._create_interpolation_map = _looked_up(defaults_list._create_interpolation_map)
 
 
 def _kept(load: Any) -> Any:
@@ -61,3 +64,14 @@ def _merged(merge: Any) -> Any:
         return pickle.loads(_MERGED[key])
 
     return merged
+
+
+def _looked_up(choices: Any) -> Any:
+    """What names in lists of defaults may refer to is only made for those that refer to something."""
+    nothing = OmegaConf.create()
+
+    @wraps(choices)
+    def looked_up(overrides: Any, defaults: list[Any], self_added: bool) -> Any:
+        return choices(overrides, defaults, self_added) if "${" in repr(defaults) else nothing
+
+    return looked_up
