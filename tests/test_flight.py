@@ -151,9 +151,18 @@ def falls(command: Command) -> Command:
     return replace(command, thrust=0.0)
 
 
+def climbs(command: Command) -> Command:
+    return replace(command, thrust=100.0)
+
+
 @pytest.mark.parametrize(
     ("spoil", "reason", "detail"),
-    [(raises, "controller", "no idea"), (nothing, "controller", "no number"), (falls, "lost", "")],
+    [
+        (raises, "controller", "no idea"),
+        (nothing, "controller", "no number"),
+        (falls, "touched", "ground"),
+        (climbs, "lost", ""),
+    ],
 )
 def test_a_failing_controller_costs_one_flight(
     flown: pipeline.Run, reference: Reference, spoil: Callable[[Command], Command], reason: str, detail: str
