@@ -74,6 +74,14 @@ class Contact(ABC):
         """Return the physical gap (n,) in `unit` for q, v (n, n_q) and target states (n, 3)."""
 
 
+class Standing(Contact):
+    """A condition on something that stands in the room, such as an obstacle, and is drawn there."""
+
+    @abstractmethod
+    def outlines(self) -> Mapping[str, Array]:
+        """Return lines (n, 3) m by what is written there; rows of NaN part them."""
+
+
 class NoseContact(Contact):
     """A condition on where the nose points, which bounds on the travel time rest on."""
 

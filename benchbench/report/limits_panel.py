@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -34,8 +34,13 @@ def contact_panels(plan: Plan, scenario: Scenario, model: Model, replay: Replay 
         asked = [stop for stop in stops if name in stop.contacts]
         curves = tuple(_gap_curve(stop, name, plan, model, replay) for stop in asked)
         note = _worst_in_contact(plan, asked[0], curves[0].line)
-        panels.append(Panel(contact.noun.capitalize(), contact.unit, curves, True, note))
+        panels.append(Panel(contact.noun.capitalize(), contact.unit, curves, _seen(curves), note))
     return panels
+
+
+def _seen(curves: Sequence[Curve]) -> bool:
+    """Whether anything is seen on a logarithmic axis, which begins at a twentieth of the limit."""
+    return any(np.nanmax(curve.line[1], initial=0.0) > curve.upper / 20 for curve in curves)
 
 
 def _gap_curve(stop: Stop, name: str, plan: Plan, model: Model, replay: Replay | None) -> Curve:

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from benchbench.arrays import Array
 from benchbench.certificate.passing import as_passed
 from benchbench.certificate.replay import Replay
+from benchbench.ocp.contact import Standing
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
@@ -22,7 +23,7 @@ from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows, stop_windows
 from benchbench.report.gates import outlines
 from benchbench.report.grid import NUMBERS_IN, TICKS_IN, label_axes
-from benchbench.report.style import ARM, CONTACT, FRAME, INK, TARGET, TOOL
+from benchbench.report.style import ARM, CONTACT, FRAME, INK, LIMIT, TARGET, TOOL
 
 POSES = 16
 """How many poses are drawn besides start, end and contact."""
@@ -107,8 +108,17 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
 
 @singledispatch
 def marks(scenario: Scenario, plan: Plan) -> Marks:
-    """Return what stands in the room, by kind of scenario; nothing, if it does not say."""
-    return Marks()
+    """Return what stands in the room, by kind of scenario; unless it says otherwise, what its contacts are about."""
+    contacts = {
+        id(one): (name, one) for stop in scenario.itinerary.stops for name, one in stop.contacts.items()
+    }
+    found = {
+        label or name: line
+        for name, one in contacts.values()
+        if isinstance(one, Standing)
+        for label, line in one.outlines().items()
+    }
+    return Marks("obstacles" if found else "", found)
 
 
 @marks.register
@@ -120,8 +130,10 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> N
     """Draw one projection; `plane` are the two world axes, 0 for x, 1 for y, 2 for z."""
     h, v = plane
     axes.set_title(title, y=1.0)
-    for target in (*scene.targets.values(), *scene.marks.outlines.values()):
+    for target in scene.targets.values():
         axes.plot(target[:, h], target[:, v], color=TARGET, linewidth=1.4, zorder=2)
+    for outline in scene.marks.outlines.values():
+        axes.plot(outline[:, h], outline[:, v], color=LIMIT, linewidth=1.2, zorder=2)
     axes.plot(scene.tool[:, h], scene.tool[:, v], color=TOOL, linewidth=1.8, zorder=2)
     if scene.flown is not None:
         # An artist, unlike a plot, leaves the axis limits alone: a replay that runs away must not set the scale.
