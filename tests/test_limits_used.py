@@ -63,3 +63,19 @@ def test_summary_and_picture_say_it_of_certified_plans() -> None:
         status="uncertified",
     )
     assert "limits used" not in dict(lines(broken)) and caption(broken)[1] == "NOT certified: x"
+
+
+def test_a_title_names_each_choice_once() -> None:
+    named = {
+        "scenario": "circle",
+        "vehicle": "table1",
+        "dynamics": "verlet",
+        "intervals": 100,
+        "solver": "ipopt",
+        "strategy": "auto",
+    }
+    assert caption(make_record(**named))[0] == "circle, table1, verlet, N = 100, ipopt, auto"
+    assert (
+        caption(make_record(**named, relaxation="paper"))[0]
+        == "circle, table1, verlet, N = 100, paper, ipopt, auto"
+    )

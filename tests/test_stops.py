@@ -205,6 +205,8 @@ def test_a_recording_and_a_picture_know_all_stops(flight: Plan, tmp_path: Path) 
     np.testing.assert_array_equal(found.claims, plan.claims)
     drawn = scene(plan, both, MODEL, None)
     assert list(drawn.targets) == ["a", "b"] and drawn.contact_nodes == [*FIRST, *SECOND]
+    ends = [k for window in (FIRST, SECOND) for k in (window[0], window[-1])]
+    assert {*ends} <= {*drawn.contact_poses} <= {*FIRST, *SECOND} and len(drawn.contact_poses) <= 6
 
 
 N = 6

@@ -7,8 +7,13 @@ from typing import Any
 
 
 def caption(record: Mapping[str, Any]) -> tuple[str, str]:
-    """Return title and verdict of a run's plan from its record."""
-    title = f"{record['scenario']}, {record['dynamics']}, N = {record['intervals']}, {record['strategy']}"
+    """Return title and verdict of a run's plan from its record; the title names each choice once."""
+    grid = None if record["intervals"] is None else f"N = {record['intervals']}"
+    named = (
+        *(record[k] for k in ("scenario", "vehicle", "dynamics")), grid,
+        *(record[k] for k in ("relaxation", "solver", "strategy")),
+    )  # fmt: skip
+    title = ", ".join(str(name) for name in named if name)
     if record["certified"]:
         fullest = next(iter(record["limits_used_said"] or ()), "")
         return title, f"certified; closest to a limit: {fullest}" if fullest else "certified"

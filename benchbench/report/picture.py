@@ -116,10 +116,8 @@ def page(
 def _subtitle(plan: Plan, scenario: Scenario, windows: Sequence[tuple[float, float]]) -> str:
     contact = ", ".join(f"{start:.3f} to {end:.3f} s" for start, end in windows[:3]) or "none claimed"
     more = f" and {len(windows) - 3} more" if len(windows) > 3 else ""
-    told = [f"{scenario.name}:  travel time {plan.travel_time:.3f} s", f"N = {plan.intervals} intervals"]
-    if scenario.itinerary.stops:
-        told.insert(1, f"contact {contact}{more}")
-    return "   |   ".join(told)
+    touched = f"   |   contact {contact}{more}" if scenario.itinerary.stops else ""
+    return f"travel time {plan.travel_time:.3f} s{touched}"
 
 
 def compose(page: Page, replayed: bool) -> Figure:
@@ -139,8 +137,8 @@ def compose(page: Page, replayed: bool) -> Figure:
 
 def _header(figure: SubFigure, page: Page, replayed: bool) -> None:
     verdict = "\n".join(textwrap.wrap(page.verdict, 60, max_lines=2, placeholder=" ..."))
-    title = textwrap.shorten(page.title, 56, placeholder=" ...")
-    figure.text(0.008, 0.90, title, fontsize=17, fontweight="bold", va="top")
+    title = textwrap.shorten(page.title, 72, placeholder=" ...")
+    figure.text(0.008, 0.90, title, fontsize=14, fontweight="bold", va="top")
     figure.text(0.008, 0.54, page.subtitle, fontsize=11, va="top", color=INK)
     figure.text(
         0.988,

@@ -82,8 +82,10 @@ def _flight(plan: Plan, race: Race, replay: Replay | None) -> DrawnFlight:
 def _header(figure: SubFigure, plan: Plan, race: Race, title: str, verdict: str) -> None:
     count = len(race.goals) - 1
     gates = f"{count} gate{'s' if count > 1 else ''} and the end"
-    text = f"{race.name}:  travel time {plan.travel_time:.3f} s   |   {gates}   |   N = {plan.intervals} intervals"
-    figure.text(0.008, 0.92, title, fontsize=17, fontweight="bold", va="top")
+    text = f"travel time {plan.travel_time:.3f} s   |   {gates}"
+    figure.text(
+        0.008, 0.92, textwrap.shorten(title, 72, placeholder=" ..."), fontsize=14, fontweight="bold", va="top"
+    )
     figure.text(0.008, 0.35, text, fontsize=11, va="top", color=INK)
     look = {
         "boxstyle": "round,pad=0.45",

@@ -88,6 +88,11 @@ class Scene:
         return [k for first, last in contact_windows(self.plan) for k in range(first, last + 1)]
 
     @property
+    def contact_poses(self) -> list[int]:
+        """First, middle and last node of each contact: all of a long one would be a blot."""
+        return sorted({k for a, b in contact_windows(self.plan) for k in (a, (a + b) // 2, b)})
+
+    @property
     def pose_nodes(self) -> list[int]:
         """Nodes at about equal times at which the vehicle is drawn, those beside a contact left out."""
         times = np.linspace(0.0, self.plan.travel_time, POSES + 2)
@@ -139,7 +144,7 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> N
         # An artist, unlike a plot, leaves the axis limits alone: a replay that runs away must not set the scale.
         axes.add_artist(Line2D(scene.flown[:, h], scene.flown[:, v], color=INK, linewidth=0.7, zorder=3))
     _draw_poses(axes, scene, scene.pose_nodes, plane, strong=False)
-    _draw_poses(axes, scene, scene.contact_nodes, plane, strong=True)
+    _draw_poses(axes, scene, scene.contact_poses, plane, strong=True)
     _draw_target(axes, scene, plane)
     axes.set_xlabel(f"{'xyz'[h]} [m]")
     axes.set_ylabel(f"{'xyz'[v]} [m]")

@@ -93,17 +93,14 @@ class RunView:
 
         Raises BadInput for a run without a plan.
         """
+        from benchbench.report.caption import caption
         from benchbench.report.picture import figure
 
         plan, name = self.plan, self.record["scenario"]
         if plan is None:
             raise BadInput("draw", f"'{name}' is no flight, so there is no plan to draw", "a run of a flight")
         scenario, model, replay = self.source.scene()
-        parts = (name, self.record["dynamics"], f"N = {plan.intervals}", self.record["strategy"])
-        title = ", ".join(part for part in parts if part)
-        reasons = self.record["reasons"] or ["see its record"]
-        verdict = "certified" if self.certified else f"NOT certified: {reasons[0]}"
-        return figure(plan, scenario, model, replay, title, verdict)
+        return figure(plan, scenario, model, replay, *caption(self.record))
 
     def save(self, folder: Path | str) -> Path:
         """Write what the program writes, and return the folder.
