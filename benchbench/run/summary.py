@@ -17,6 +17,8 @@ from benchbench.storage.schema import Status
 
 THROUGH = 5e-5
 """Depth in m below which a passage through the ball is not worth a word."""
+USES = 2
+"""How many of the fullest limits are named."""
 REASONS = 4
 """Reasons against a plan that are shown; the record has all."""
 
@@ -127,7 +129,7 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     defect, drift = (_scaled(r[f"replay_{k}_position_m"], 1e3, "mm") or "-" for k in ("defect", "drift"))
     lines.append(("replay", f"{defect} off after one interval, {drift} at worst flown open loop{_far(r)}"))
     if r["certified"] and r["limits_used_said"]:
-        lines.append(("limits used", "\n".join(r["limits_used_said"][:REASONS])))
+        lines.append(("limits used", "\n".join(r["limits_used_said"][:USES])))
     return lines
 
 
