@@ -58,6 +58,9 @@ def test_what_is_searched() -> None:
     assert [text for text in own.arguments if "," in text] == ["scenario.authority=0,0.05"]
     with pytest.raises(BadInput, match="scenario"):
         commands.run("robust", ["flights=3"])
+    for wrong in ("2", "0", "nan", "often"):
+        with pytest.raises(BadInput, match="target_success"):
+            commands.run("robust", ["+scenario=circle", f"target_success={wrong}"])
 
 
 def test_the_picture_of_a_front(tmp_path: Path) -> None:

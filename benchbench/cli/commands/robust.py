@@ -44,11 +44,28 @@ def run(arguments: Sequence[str]) -> Sweep:
     asked = keys(typed)
     if "scenario" not in asked:
         raise BadInput("scenario", "none was chosen", "+scenario=NAME of a handover with one target")
+    _check_target(typed)
     added = [] if "scenario/contact" in asked else [GENTLE]
     added += [f"{key}={value}" for key, value in DEFAULTS.items() if key not in asked]
     if not any("," in text or "range(" in text or "choice(" in text for text in typed):
         added += [f"{key}={values}" for key, values in AXES.items() if key not in asked]
     return Sweep(["-m", *options, *typed, *added], partial(conclude, tuple(typed)))
+
+
+def _check_target(typed: Sequence[str]) -> None:
+    """Refuse once what every run of the search would refuse."""
+    from benchbench.errors import BadInput
+
+    for text in typed:
+        key, _, value = text.lstrip("+").partition("=")
+        if key != "target_success":
+            continue
+        try:
+            fits = 0 < float(value) < 1
+        except ValueError:
+            fits = False
+        if not fits:
+            raise BadInput(key, f"'{value}' was given", "a number above 0 and below 1")
 
 
 def parser() -> Parser:
