@@ -43,11 +43,13 @@ class Marks:
     """What stands in the room all the time: outlines (n, 3) m, by what is written there, and their name in a legend.
 
     coloured: what matters is how fast the vehicle is where, so its path has the colours of its speed.
+    forbidden: nothing to fly to, but what may not be touched; drawn as limits are, not as targets.
     """
 
     name: str = ""
     outlines: Mapping[str, Array] = field(default_factory=dict)
     coloured: bool = False
+    forbidden: bool = False
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,7 @@ def marks(scenario: Scenario, plan: Plan) -> Marks:
         if isinstance(one, Standing)
         for label, line in one.outlines().items()
     }
-    return Marks("obstacles" if found else "", found)
+    return Marks("obstacles" if found else "", found, forbidden=True)
 
 
 @marks.register
@@ -138,7 +140,8 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> N
     for target in scene.targets.values():
         axes.plot(target[:, h], target[:, v], color=TARGET, linewidth=1.4, zorder=2)
     for outline in scene.marks.outlines.values():
-        axes.plot(outline[:, h], outline[:, v], color=LIMIT, linewidth=1.2, zorder=2)
+        colour = LIMIT if scene.marks.forbidden else TARGET
+        axes.plot(outline[:, h], outline[:, v], color=colour, linewidth=1.4, zorder=2)
     axes.plot(scene.tool[:, h], scene.tool[:, v], color=TOOL, linewidth=1.8, zorder=2)
     if scene.flown is not None:
         # An artist, unlike a plot, leaves the axis limits alone: a replay that runs away must not set the scale.
