@@ -159,6 +159,15 @@ def test_an_error_of_the_transcription_is_taken_off_before_anything_is_cut() -> 
     assert step is not None and step.correct and not step.finer, "what was corrected stays so with margins"
 
 
+def test_without_measured_margins_those_of_the_scenario_stay() -> None:
+    """Where none may be measured: whatever is exceeded, the next plan is made with the same margins."""
+    own = {"rate_margin": {"arm": 0.01}, "contact_margin": {"position": 0.03}}
+    found = verdict(("defect_angle", 0.03, 0.02), ("contact_position", 0.025, 0.02))
+    for corrected in (False, True):
+        step = next_step(found, case_of(), Round(own, own, 0.0, correctable=True, corrected=corrected))
+        assert step is not None and step.margins == own
+
+
 def test_cut_are_intervals_in_contact_and_those_that_a_correction_does_not_reach() -> None:
     case, found = on_forty()
     certificate = case.judge(found)

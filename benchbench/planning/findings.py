@@ -94,9 +94,12 @@ def _corrected(found: Certificate, raised: Margins, now: Round, along: frozenset
     room = any(check.name in ("replay_position", "replay_angle") for check in found.broken)
     if near:
         contacts = _ahead({**raised, "contact_margin": contacts}, now.least, now.most)["contact_margin"]
+    own = now.least["contact_margin"]
     margins = {
         "rate_margin": now.margins["rate_margin"] if fast else rates,
-        "contact_margin": {name: min(share, most["contact_margin"]) for name, share in contacts.items()},
+        "contact_margin": {
+            n: max(min(m, most["contact_margin"]), own.get(n, 0.0)) for n, m in contacts.items()
+        },
     }
     if not now.may_refine and now.corrected and margins == now.margins:
         return None
