@@ -2,7 +2,7 @@
 
     OMP_NUM_THREADS=1 python benchmarks/matrix.py [--output results/matrix]
 
-Prints a table for docs/matrix.md: "certified" with the CPU seconds of build, solve and check in all rounds, or why not. Resumed where
+Prints a table: "certified" with the CPU seconds of build, solve and check in all rounds, or why not. Resumed where
 it was interrupted, as all sweeps are.
 """
 

@@ -7,6 +7,7 @@ import io
 import shlex
 from collections.abc import Sequence
 from datetime import datetime
+from pathlib import Path
 
 from benchbench.analysis.front import Candidate, candidate, fastest, front
 from benchbench.cli.suite_summary import rows_of
@@ -61,13 +62,11 @@ def conclude(typed: Sequence[str], swept: Sequence[Swept]) -> None:
         print(f"again        python -m benchbench {shlex.join(chosen.overrides)}")
 
 
-def _draw(path: object, found: Sequence[Candidate], target: float, typed: Sequence[str]) -> None:
-    from pathlib import Path
-
+def _draw(path: Path, found: Sequence[Candidate], target: float, typed: Sequence[str]) -> None:
     from benchbench.report.front import draw_front
 
     draw_front(
-        Path(str(path)),
+        path,
         found,
         target,
         f"What success costs: {' '.join(text for text in _told(typed) if ',' not in text)}",

@@ -10,7 +10,7 @@ from typing import ClassVar, Literal
 import casadi as ca
 
 from benchbench.arrays import Array
-from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.model import Model, Plant, space
 from benchbench.ocp.node import Node
 
 Kept = Literal["in contact", "until contact", "always"]
@@ -95,6 +95,14 @@ SLOW = 1e-5
 """Ground speed in m/s below which a direction of motion means nothing."""
 
 Contacts = Mapping[str, Contact]
+
+
+def tool_velocity(model: Model, node: Node) -> ca.SX:
+    """Velocity of the end effector at a node, (3,) m/s, from the nodal velocity: dp_ee/dq dq/dt."""
+    q = ca.SX.sym("q", node.configuration.shape[0])
+    jacobian = ca.Function("tool_jacobian", [q], [ca.jacobian(model.tool(q), q)])
+    return jacobian(node.configuration) @ space(model).kinematics(node.configuration, node.velocity)
+
 
 THOUSANDTHS = ("m", "m/s", "rad", "rad/s")
 """Units in which people read a gap in thousandths."""

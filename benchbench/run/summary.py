@@ -17,6 +17,8 @@ from benchbench.storage.schema import Status
 
 THROUGH = 5e-5
 """Depth in m below which a passage through the ball is not worth a word."""
+ONE_LINE = 64
+"""Characters of choices and size that stand in one line of a terminal's 80 columns."""
 USES = 2
 """How many of the fullest limits are named."""
 REASONS = 4
@@ -73,10 +75,11 @@ def lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     choices = " / ".join(
         str(r[k]) for k in ("vehicle", "dynamics", "relaxation", "solver", "strategy", "guess") if r[k]
     )
+    size = _size(r)
     times = (r["build_cpu_s"], r["solve_cpu_s"], r["certificate_cpu_s"])
     build, solve, check = (_number(value, ".2f", "s") for value in times)
     return [
-        (str(r["scenario"]), f"{choices}\n{_size(r)}"),
+        (str(r["scenario"]), f"{choices}{'; ' if len(choices) + len(size) < ONE_LINE else chr(10)}{size}"),
         ("verdict", _verdict(r)),
         *(_flight(r) if flies(r) else _solution(r)),
         *_flown(r),

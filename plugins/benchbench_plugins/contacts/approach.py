@@ -10,8 +10,8 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.arrays import Array
-from benchbench.ocp.contact import Condition, Contact, Kept, Target
-from benchbench.ocp.model import Model, Plant, space
+from benchbench.ocp.contact import Condition, Contact, Kept, Target, tool_velocity
+from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node
 
 
@@ -39,9 +39,7 @@ class Approach(Contact):
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
         """H = |v|^2 / (limit^2 + (slope d)^2) - 1, d = max(|p_ee - p_ball| - radius, 0)."""
-        q = ca.SX.sym("q", node.configuration.shape[0])
-        jacobian = ca.Function("tool_jacobian", [q], [ca.jacobian(model.tool(q), q)])
-        way = jacobian(node.configuration) @ space(model).kinematics(node.configuration, node.velocity)
+        way = tool_velocity(model, node)
         offset = model.tool(node.configuration) - target.position + ca.DM([0, 0, self.radius])
         # within the ball d is 0: the root is kept away from the centre, where it has no derivative
         apart = ca.sqrt(ca.fmax(ca.sumsqr(offset), (self.radius / 2) ** 2))

@@ -10,8 +10,8 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.arrays import Array
-from benchbench.ocp.contact import Condition, Contact, Target
-from benchbench.ocp.model import Model, Plant, space
+from benchbench.ocp.contact import Condition, Contact, Target, tool_velocity
+from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node
 
 
@@ -32,12 +32,7 @@ class Velocity(Contact):
 
     def condition(self, model: Model, node: Node, target: Target) -> Condition:
         """H = |v_ee - v_T|^2 / limit^2 - 1 with v_ee from the nodal velocity."""
-        q = ca.SX.sym("q", node.configuration.shape[0])
-        jacobian = ca.Function("tool_jacobian", [q], [ca.jacobian(model.tool(q), q)])
-        speed = (
-            jacobian(node.configuration) @ space(model).kinematics(node.configuration, node.velocity)
-            - target.velocity
-        )
+        speed = tool_velocity(model, node) - target.velocity
         return Condition(ca.sumsqr(speed) / self.limit**2 - 1, self.unit, (self.limit,))
 
     def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
