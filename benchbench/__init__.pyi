@@ -22,7 +22,8 @@ from .nlp.solver import (
     Setup,
     Solver,
 )
-from .ocp.contact import Condition, Contact, Target
+from .ocp.contact import Condition, Contact, Standing, Target
+from .ocp.cost import Cost
 from .ocp.handover import Handover
 from .ocp.mechanics import acceleration
 from .ocp.model import (
@@ -55,12 +56,12 @@ __version__: str
 
 __all__ = [
     "TOLERANCE", "Accuracy", "Array", "BadInput", "BenchBenchError", "Block", "Case", "Certificate", "Check",
-    "Claim", "Condition", "Contact", "Coordinates", "Dynamics", "Evidence", "ExplicitModel", "Gap", "Grid",
+    "Claim", "Condition", "Contact", "Coordinates", "Cost", "Dynamics", "Evidence", "ExplicitModel", "Gap", "Grid",
     "Guess", "Handover", "IncompatibleCase", "LagrangianModel", "Ledger", "ManifoldModel", "Method", "Model",
     "Motion", "Mpcc", "MpccStrategy", "NoPlan", "Node", "Outcome", "OutputModel", "Pair", "PairKind", "Parametric",
     "Peer", "Phase", "Plan", "Plant", "Point", "Prepared", "Progress", "Race", "RacingModel", "RampModel",
     "ReadyCase", "ReadyMade", "Relaxation", "Relaxed", "Result", "RunView", "Scenario", "Schedule", "Setup",
-    "Shared", "Slot", "Solution", "Solver", "Space", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown",
+    "Shared", "Slot", "Solution", "Solver", "Space", "Standing", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown",
     "Variable", "acceleration", "at_least", "at_most", "block", "certify", "evaluate", "load", "plan", "rows",
     "runs", "space", "whole", "worst",
 ]  # fmt: skip

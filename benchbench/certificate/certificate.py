@@ -38,6 +38,7 @@ class Measures:
     max_rate_ratio: float | None = None
     stops: tuple[str, ...] | None = None
     reward_s: float | None = None
+    costs: Mapping[str, float] | None = None
     gate_worst_miss_m: float | None = None
     gates: int | None = None
     gates_passed: int | None = None

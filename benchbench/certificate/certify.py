@@ -11,10 +11,12 @@ from benchbench.certificate.check import Check
 from benchbench.certificate.checks.problem import original_problem
 from benchbench.certificate.checks.replay import breakdown
 from benchbench.certificate.checks.soundness import finite, increasing
+from benchbench.certificate.checks.standing import standing_flown, standing_planned
 from benchbench.certificate.evidence import Given
 from benchbench.certificate.examination import examine
 from benchbench.certificate.further import further
 from benchbench.certificate.limits import Limits, ProblemLimits
+from benchbench.certificate.spending import objective, spent
 from benchbench.mpcc.residuals import Residuals
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
@@ -36,13 +38,13 @@ def certify(
     if not all(check.ok for check in sound):
         return Certificate((*sound, *solved), Measures(**_problem(residuals)), None)
     asked = examine(scenario, Given(plan, model, limits, residuals))
-    found = [check for ask in asked.planned for check in ask(asked.evidence)]
+    found = [check for ask in (*asked.planned, standing_planned) for check in ask(asked.evidence)]
     found += (
-        [check for ask in (*asked.flown, further) for check in ask(asked.evidence)]
+        [check for ask in (*asked.flown, standing_flown, objective, further) for check in ask(asked.evidence)]
         if asked.evidence.flight.broken_at is None
         else [breakdown(asked.evidence)]
     )
-    measures = replace(asked.measures, **_problem(residuals))
+    measures = replace(asked.measures, **_problem(residuals), costs=spent(asked.evidence) or None)
     return Certificate((*sound, *solved, *found), measures, asked.evidence.flight)
 
 

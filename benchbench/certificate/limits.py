@@ -51,6 +51,8 @@ class Limits(ProblemLimits):
     gate_position        a gate of a race may be missed by more than its radius by, m
     gate_heading         its heading may be missed by more than the planner may by, rad
     segment_position     the replay from one gate to the next may miss the planned place of the latter by, m
+    objective            share of the objective by which the planner's may differ from the one counted again on the replay, where the
+                         scenario has cost terms of its own; the trapezoidal rule at N = 25 is 0.3 % off, a wrong term much more
     restart_seconds      the replay starts again from the planned state after so long, s; null: never
     restart_beyond       but only of flights that last longer than this, s
     checks               further checks by name, an entry point of the group benchbench.checks or
@@ -74,6 +76,7 @@ class Limits(ProblemLimits):
     gate_position: NonNegative = 0.01
     gate_heading: NonNegative = 0.01
     segment_position: Positive = 0.01
+    objective: Positive = 0.01
     restart_seconds: Positive | None = 2.0
     restart_beyond: NonNegative = 4.0
     checks: dict[str, Finite | Literal[True] | None] = Field(default_factory=dict)

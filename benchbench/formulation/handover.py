@@ -14,6 +14,7 @@ from benchbench.formulation import open_order
 from benchbench.formulation.coupling import Coupling
 from benchbench.formulation.formulation import Formulation
 from benchbench.formulation.problem import NodesByStop, Problem
+from benchbench.formulation.transcribed import transcribed
 from benchbench.mpcc.problem import Mpcc, block
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Itinerary, Stop, spread
@@ -80,7 +81,7 @@ def phases(case: Formulation, start: Plan) -> Problem:
         fault = f"the start that it gives touches none of {', '.join(itinerary.names)}"
         raise IncompatibleCase("guess", fault, "one with a contact, such as simple; or strategy=relax")
     grid, contact, averaged = phase_grid(case, start, made)
-    base, trajectory = case.dynamics.transcribe(case.scenario, case.model, grid)
+    base, trajectory = transcribed(case, grid)
     problem = _at_windows(case, base.start_from(trajectory.encode(start)), trajectory, contact)
     steps = (_average_steps(grid, phase, stop) for phase, stop in averaged)
     return replace(problem, mpcc=sum(steps, problem.mpcc))
@@ -203,7 +204,7 @@ def _kappa(start: Plan, trajectory: Trajectory, stop: Stop) -> Array:
 def _flight(case: Formulation, start: Plan) -> tuple[Mpcc, Trajectory]:
     scenario = case.scenario
     grid = Grid((Phase("flight", scenario.grid_intervals, *scenario.travel_time, start.travel_time),))
-    base, trajectory = case.dynamics.transcribe(scenario, case.model, grid)
+    base, trajectory = transcribed(case, grid)
     return base.start_from(trajectory.encode(start)), trajectory
 
 

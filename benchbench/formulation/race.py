@@ -10,6 +10,7 @@ from benchbench.arrays import Array
 from benchbench.formulation.formulation import Formulation
 from benchbench.formulation.gates import StatePlace, at_nodes, by_progress, passed_at
 from benchbench.formulation.problem import NodesByStop, Problem
+from benchbench.formulation.transcribed import transcribed
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import racing
@@ -51,7 +52,7 @@ def phases(race: Race, case: Formulation, start: Plan) -> Problem:
     """Each gate is passed at the last node of its segment; guessed from a plan; smooth."""
     grid = segments(race, race.nodes_per_gate, np.diff([0.0, *_times(race, start)]))
     grid = Grid(tuple(phase.on(case.mesh) for phase in grid.phases))
-    base, trajectory = case.dynamics.transcribe(race, case.model, grid)
+    base, trajectory = transcribed(case, grid)
     held = at_nodes(race, _place(case), grid.ends, race.goals)
     return Problem(
         base.start_from(trajectory.encode(start)) + Mpcc((), held),
@@ -98,7 +99,7 @@ def _times(race: Race, plan: Plan) -> Sequence[float]:
 
 def _flight(race: Race, case: Formulation, start: Plan) -> tuple[Mpcc, Trajectory]:
     grid = Grid((Phase("flight", race.grid_intervals, *race.travel_time, start.travel_time),))
-    base, trajectory = case.dynamics.transcribe(race, case.model, grid)
+    base, trajectory = transcribed(case, grid)
     return base.start_from(trajectory.encode(start)), trajectory
 
 

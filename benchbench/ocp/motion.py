@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import singledispatch
+from typing import final
 
 import casadi as ca
 import numpy as np
@@ -29,6 +30,20 @@ class Motion(ABC):
     @abstractmethod
     def position(self, time: ca.SX, parameters: ca.SX) -> ca.SX:
         """Return the position at `time` (scalar, s) for `parameters` (n_p,), shape (3,) m, world frame."""
+
+
+@final
+class Nowhere(Motion):
+    """The target of a condition that asks for none: the origin."""
+
+    @property
+    def parameters(self) -> Array:
+        """None."""
+        return np.zeros(0)
+
+    def position(self, time: ca.SX, parameters: ca.SX) -> ca.SX:
+        """Return the origin."""
+        return ca.SX.zeros(3)
 
 
 def motion_state(motion: Motion, time: ca.SX, parameters: ca.SX) -> tuple[ca.SX, ca.SX]:

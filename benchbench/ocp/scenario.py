@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Annotated, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, InstanceOf, field_validator
 
 from benchbench.arrays import Array
 from benchbench.errors import BadInput
+from benchbench.ocp.contact import Contact
+from benchbench.ocp.cost import Cost
 from benchbench.ocp.model import (
     Coordinates,
     Model,
@@ -84,6 +86,22 @@ class Scenario(BaseModel, ABC):
     rate_margin: dict[str, Share] = Field(default_factory=dict)
     authority: Share = 0.0
     hover_ends: bool = False
+    obstacles: dict[str, InstanceOf[Contact]] = Field(default_factory=dict)
+    costs: dict[str, InstanceOf[Cost]] = Field(default_factory=dict)
+
+    @field_validator("obstacles", "costs", mode="before")
+    @classmethod
+    def _drop_disabled(cls, given: Any) -> Any:
+        return {k: v for k, v in given.items() if v is not None} if isinstance(given, dict) else given
+
+    @field_validator("obstacles")
+    @classmethod
+    def _kept_always(cls, given: dict[str, Contact]) -> dict[str, Contact]:
+        for name, one in given.items():
+            if one.kept != "always":
+                problem = f"a {type(one).__name__} is kept {one.kept}"
+                raise BadInput(f"scenario.obstacles.{name}", problem, "a contact that is kept always")
+        return given
 
     @property
     @abstractmethod

@@ -18,6 +18,7 @@ from benchbench.certificate.speed_bound import arm_reach
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Setup
+from benchbench.ocp.contact import in_words
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import LagrangianModel, RacingModel
 from benchbench.ocp.motion import sample
@@ -42,6 +43,7 @@ def _flight(case: Case) -> None:
     suits(case.scenario, case)
     _pose("start", case.scenario.start_point(case.model), case)
     _pose("end", case.scenario.end_point(case.model), case)
+    _clear(case)
     possible(case.scenario, case)
 
 
@@ -154,6 +156,26 @@ def _pose(which: str, q: Array, case: Case) -> None:
         if not low <= value <= high:
             problem, allowed = f"{value:g} {unit} is outside its limits", f"{low:g} to {high:g} {unit}"
             raise BadInput(f"scenario.{which}.{name}", problem, allowed)
+
+
+def _clear(case: Case) -> None:
+    """Start and end, where the end is one place, are clear of obstacles."""
+    scenario, model, plant = case.scenario, case.model, case.model.plant()
+    last = scenario.ends(model)
+    places = {"start": (scenario.start_point(model), scenario.start_rates(model))}
+    if np.array_equal(last.lower_q, last.upper_q) and np.array_equal(last.lower_v, last.upper_v):
+        places["end"] = (last.lower_q, last.lower_v)
+    for name, one in scenario.obstacles.items():
+        for which, (q, v) in places.items():
+            nowhere = np.zeros((1, 3))
+            (gap,) = one.gap(plant, q[None], v[None], nowhere, nowhere)
+            if not gap <= one.limit:
+                problem = f"the {which} is {in_words(one, float(gap))}"
+                raise BadInput(
+                    f"scenario.obstacles.{name}",
+                    problem,
+                    f"another place for it, or another scenario.{which}",
+                )
 
 
 def _near(stop: Stop, case: Case) -> None:

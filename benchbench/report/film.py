@@ -102,8 +102,9 @@ def _page(scene: Scene, title: str) -> tuple[Figure, dict[tuple[int, int], Axes]
 def _room(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
     """What stands still: paths, outlines, and the room that all poses take."""
     h, v = plane
-    for target in (*scene.targets.values(), *scene.marks.outlines.values()):
-        axes.plot(target[:, h], target[:, v], color=TARGET, linewidth=1.0, alpha=0.6)
+    lines = [(TARGET, path) for path in scene.targets.values()]
+    for colour, line in (*lines, *((colour, line) for _, colour, line in scene.standing)):
+        axes.plot(line[:, h], line[:, v], color=colour, linewidth=1.0, alpha=0.6)
     axes.plot(scene.tool[:, h], scene.tool[:, v], color=TOOL, linewidth=0.8, alpha=0.5)
     plant = scene.model.plant()
     drawn = np.concatenate([line for q in scene.plan.configuration for line in plant.skeleton(q).values()])

@@ -100,8 +100,9 @@ def _paths(axes: Axes, scenes: Sequence[Scene], plane: tuple[int, int]) -> None:
     h, v = plane
     axes.set_title({SIDE: "Side view", TOP: "Top view"}[plane])
     for shown, colour, style in zip(scenes, COLOURS, STYLES, strict=True):
-        for line in (*shown.targets.values(), *shown.marks.outlines.values()):
-            axes.plot(line[:, h], line[:, v], color=TARGET, linewidth=1.0)
+        lines = [(TARGET, path) for path in shown.targets.values()]
+        for mark, line in (*lines, *((mark, line) for _, mark, line in shown.standing)):
+            axes.plot(line[:, h], line[:, v], color=mark, linewidth=1.0)
         axes.plot(shown.tool[:, h], shown.tool[:, v], color=colour, linestyle=style, linewidth=1.6)
         inside = shown.tool[shown.contact_nodes]
         axes.plot(inside[:, h], inside[:, v], "o", color=colour, markersize=9, alpha=0.35, markeredgewidth=0)

@@ -24,7 +24,8 @@ from benchbench.report.grid import TITLE_IN, Margins
 from benchbench.report.panel import draw_panel
 from benchbench.report.png import Picture
 from benchbench.report.race_panels import race_panels
-from benchbench.report.style import INK, TARGET, verdict_colour
+from benchbench.report.style import INK, LIMIT, TARGET, verdict_colour
+from benchbench.report.views import standing_lines
 
 WIDTH_IN, HEIGHT_IN, HEADER_IN = 14.0, 9.0, 0.75
 SPACE, COLOURS = (0.015, 0.08, 0.755, 0.88), (0.9, 0.25, 0.0165, 0.5)
@@ -123,10 +124,21 @@ def _track(axes: Axes3D, flight: DrawnFlight) -> Line3DCollection:
     gates, start = flight.race.goals, flight.race.start_position
     for gate in gates:
         _gate(axes, gate)
+    obstacles = standing_lines(flight.race.obstacles.items())
+    for line in obstacles.values():
+        axes.plot(*line.T, color=LIMIT, linewidth=1.0)
     axes.scatter(*start, color=INK, s=18)
     for (x, y, z), names in _labels(gates, start).items():
         axes.text(x, y, z + 0.55, ", ".join(names), color=INK, fontsize=9, ha="center")
-    points = np.array([start, *(gate.position for gate in gates), *flight.planned, *flight.pieces[:, 1]])
+    points = np.array(
+        [
+            start,
+            *(gate.position for gate in gates),
+            *flight.planned,
+            *flight.pieces[:, 1],
+            *(p for line in obstacles.values() for p in line),
+        ]
+    )
     low, high = np.nanmin(points, axis=0) - 0.5, np.nanmax(points, axis=0) + 0.5
     low[2] = min(low[2], 0.0)
     shadow = flight.pieces * (1.0, 1.0, 0.0) + (0.0, 0.0, low[2])

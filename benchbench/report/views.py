@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import singledispatch
 
@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from benchbench.arrays import Array
 from benchbench.certificate.passing import as_passed
 from benchbench.certificate.replay import Replay
-from benchbench.ocp.contact import Standing
+from benchbench.ocp.contact import Contact, Standing
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
@@ -66,6 +66,17 @@ class Scene:
     targets: Mapping[str, Array]
     flown: Array | None
     marks: Marks = field(default_factory=Marks)
+    obstacles: Marks = field(default_factory=Marks)
+
+    @property
+    def standing(self) -> tuple[tuple[str, str, Array], ...]:
+        """All outlines, each with what is written there and its colour."""
+        both = (self.marks, self.obstacles)
+        return tuple(
+            (label, LIMIT if of.forbidden else TARGET, line)
+            for of in both
+            for label, line in of.outlines.items()
+        )
 
     @property
     def speed(self) -> Array:
@@ -110,7 +121,8 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
     tool, _ = plant.tool(plan.configuration, plan.velocity)
     flown = None if replay is None else plant.tool(replay.configuration, replay.velocity)[0]
     targets = {stop.name: sample(stop.target, plan.time)[0] for stop in scenario.itinerary.stops}
-    return Scene(plan, model, tool, targets, flown, marks(scenario, plan))
+    obstacles = Marks("obstacles", standing_lines(scenario.obstacles.items()), forbidden=True)
+    return Scene(plan, model, tool, targets, flown, marks(scenario, plan), obstacles)
 
 
 @singledispatch
@@ -119,13 +131,18 @@ def marks(scenario: Scenario, plan: Plan) -> Marks:
     contacts = {
         id(one): (name, one) for stop in scenario.itinerary.stops for name, one in stop.contacts.items()
     }
-    found = {
-        label or name: line
-        for name, one in contacts.values()
+    found = standing_lines(contacts.values())
+    return Marks("obstacles" if found else "", found, forbidden=True)
+
+
+def standing_lines(contacts: Iterable[tuple[str, Contact]]) -> dict[str, Array]:
+    """Lines of those that stand in the room, by their own label, else by the name of the contact."""
+    return {
+        f"{name} {label}" if label else name: line
+        for name, one in contacts
         if isinstance(one, Standing)
         for label, line in one.outlines().items()
     }
-    return Marks("obstacles" if found else "", found, forbidden=True)
 
 
 @marks.register
@@ -139,8 +156,7 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> N
     axes.set_title(title, y=1.0)
     for target in scene.targets.values():
         axes.plot(target[:, h], target[:, v], color=TARGET, linewidth=1.4, zorder=2)
-    for outline in scene.marks.outlines.values():
-        colour = LIMIT if scene.marks.forbidden else TARGET
+    for _, colour, outline in scene.standing:
         axes.plot(outline[:, h], outline[:, v], color=colour, linewidth=1.4, zorder=2)
     axes.plot(scene.tool[:, h], scene.tool[:, v], color=TOOL, linewidth=1.8, zorder=2)
     if scene.flown is not None:

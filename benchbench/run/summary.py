@@ -115,6 +115,8 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     if new_best(r):
         less = Text(f"{-r['gap_percent']:.2g} % less than any certified plan before", style="bold green")
         lines.append(("new best", less))
+    if r["costs"]:
+        lines.append(("costs", _costs(r["costs"])))
     if r["contact_start_s"] is not None:
         lines.append(("contact", f"{_contacts(r)}\n{_worst(r)}"))
     if r["touch_speed_mps"] is not None:
@@ -134,6 +136,11 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     if r["certified"] and r["limits_used_said"]:
         lines.append(("limits used", "\n".join(r["limits_used_said"][:USES])))
     return lines
+
+
+def _costs(costs: Mapping[str, float | None]) -> str:
+    """The own cost terms of a scenario, which count beside the travel time."""
+    return ", ".join(f"{name} {_number(value, '.4f', 's')}" for name, value in costs.items())
 
 
 def _limited(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
@@ -191,7 +198,7 @@ def _best(r: Mapping[str, Any]) -> str:
     if r["best_known_s"] is None:
         return ""
     gap = "" if r["gap_percent"] is None else f", {r['gap_percent']:+.3f} %"
-    less = ", rewards taken off," if r["reward_s"] else ""
+    less = ", rewards taken off," if r["reward_s"] else ", costs added," if r["costs"] else ""
     return f"; best known{less} {r['best_known_s']:.4f} s{gap}"
 
 

@@ -81,9 +81,13 @@ def known(*files: Path) -> BestKnown:
 
 
 def net_time(record: Mapping[str, Any]) -> float | None:
-    """Travel time in s of a record, rewards of optional stops taken off."""
-    time = record["travel_time_s"]
-    return None if time is None else time - (record["reward_s"] or 0.0)
+    """Travel time in s of a record, rewards of optional stops taken off and own cost terms of the scenario added."""
+    time, costs = record["travel_time_s"], record.get("costs") or {}
+    return (
+        None
+        if time is None
+        else time - (record["reward_s"] or 0.0) + sum(price or 0.0 for price in costs.values())
+    )
 
 
 def beats(time: float, best: float | None) -> bool:

@@ -69,7 +69,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("advice", "str", "", "what to change so that a rejected plan may be certified; empty if certified"),
     # what was found
     Column("travel_time_s", "float", "s", "travel time t_N of the plan"),
-    Column("objective", "float", "", "value of the cost: t_N + c_u sum h |u - u_ref|^2; of a ready-made MPCC its own cost"),
+    Column("objective", "float", "", "value of the cost: t_N + c_u sum h |u - u_ref|^2, own cost terms added; of a ready-made MPCC its own cost"),
     Column("lower_bound_s", "float", "s", "proved lower bound of the travel time"),
     Column("limited_by", "str", "", "demand that lower_bound_s comes from; empty where a kind of scenario does not say"),
     Column("level_bound_s", "float", "s", "lower bound for flights whose nose is turned by the yaw torque alone, not by rolling and pitching: no proof for others"),
@@ -134,6 +134,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("limits_used_said", "strings", "", "those of which half or more is used, in words, the fullest first"),
     Column("stops", "strings", "", "stops made, in order of time, each with start and end of its contact"),
     Column("reward_s", "float", "s", "rewards of the optional stops made, to be taken off the travel time"),
+    Column("costs", "numbers", "s", "own cost terms of the scenario, each integrated over the replay, by name; to be added to the travel time"),
     # certificate: races
     Column("gates", "int", "", "gates of a race before its end"),
     Column("gates_passed", "int", "", "gates passed in order on the replay"),

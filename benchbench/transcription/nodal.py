@@ -5,7 +5,7 @@ Unknowns: q (N + 1, n_q), v (N + 1, n_v) nodal velocities, u (N or N + 1, n_u), 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from benchbench.arrays import Array, Index
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, block, rows
+from benchbench.ocp.cost import Cost
 from benchbench.ocp.model import Model, output, output_box
 from benchbench.ocp.node import Node
 from benchbench.ocp.plan import Interpolation, Plan
@@ -140,12 +141,12 @@ def input_intervals(grid: Grid, input_rows: int) -> Index:
 def cost(
     scenario: Scenario, model: Model, grid: Grid, input_rows: int, per_interval: int = 1
 ) -> tuple[Block, ...]:
-    """t_N + c_u sum_k h_k |u_k - u_ref|^2 (paper Eq. 33, squared as in the authors' public demo code).
+    """t_N + c_u sum_k h_k |u_k - u_ref|^2 (paper Eq. 33, squared as in the authors' public demo code), and the scenario's own terms.
 
     With `per_interval` control points in each interval each has its share of the step; no effort for c_u = 0.
     """
     if scenario.input_cost == 0.0:
-        return (travel_time(grid),)
+        return (travel_time(grid), *_own_costs(scenario, model, grid, per_interval, input_rows))
     interval = np.minimum(np.arange(input_rows) // per_interval, grid.intervals - 1)
     slot, steps = own_duration(grid, interval.tolist())
     steps = steps / per_interval
@@ -161,7 +162,29 @@ def cost(
     return (
         travel_time(grid),
         block("input_cost", slots, effort, parameters=numbers, unit="s", symbols="u T"),
+        *_own_costs(scenario, model, grid, per_interval, input_rows),
     )
+
+
+def _own_costs(
+    scenario: Scenario, model: Model, grid: Grid, per_interval: int, input_rows: int
+) -> Iterator[Block]:
+    """Each cost term of the scenario by the trapezoidal rule, with the inputs at both ends of every interval."""
+    left, right, inputs = range(grid.intervals), range(1, grid.intervals + 1), len(model.inputs.names)
+    first = [k * per_interval for k in left]
+    last = list(right) if input_rows == grid.intervals + 1 else [k + per_interval - 1 for k in first]
+    own, share = own_duration(grid)
+    sizes = {"q": len(model.configuration.names), "v": len(model.velocity.names)}
+    slots = [rows(name, size, which) for which in (left, right) for name, size in sizes.items()]
+    slots += [rows("u", inputs, which) for which in ([first] if first == last else [first, last])]
+    for name, term in scenario.costs.items():
+
+        def spent(*reads: ca.SX, term: Cost = term) -> ca.SX:
+            q0, v0, q1, v1, *u, duration, p = reads
+            price = term.rate(model, q0, v0, u[0]) + term.rate(model, q1, v1, u[-1])
+            return p * duration * price / 2
+
+        yield block(f"cost_{name}", (*slots, own), spent, parameters=share, unit="s")
 
 
 def travel_time(grid: Grid) -> Block:

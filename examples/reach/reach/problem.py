@@ -9,6 +9,7 @@ from benchbench import Grid, Mpcc, Phase, Plan, Slot, rows
 from benchbench.formulation import forms
 from benchbench.formulation.formulation import Formulation
 from benchbench.formulation.problem import Problem
+from benchbench.formulation.transcribed import transcribed
 from benchbench.mpcc.problem import block
 from reach.scenario import AXES, Reach
 
@@ -17,7 +18,7 @@ def problem(scenario: Reach, case: Formulation, start: Plan) -> Problem:
     """Pose the flight, guessed from a plan."""
     model, n = case.model, scenario.intervals
     grid = Grid((Phase("flight", n, *scenario.travel_time, start.travel_time),))
-    base, trajectory = case.dynamics.transcribe(scenario, model, grid)
+    base, trajectory = transcribed(case, grid)
     place = [model.configuration.index(axis) for axis in AXES]
     last = Slot("q", rows("q", len(model.configuration.names), [n]).index[:, place])
     within = block(

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from benchbench.arrays import Array
 from benchbench.report.html.charts.chart import CLEAR, FONT, GRID
-from benchbench.report.style import ARM, FAINT, FRAME, INK, TARGET, TOOL
+from benchbench.report.style import ARM, FAINT, FRAME, INK, LIMIT, TARGET, TOOL
 from benchbench.report.views import Scene, skeleton
 
 FRAMES = 60
@@ -63,24 +63,39 @@ def _paths(scene: Scene) -> list[go.Scatter3d]:
         _line(points, color, width, name=name, hoverinfo="skip", showlegend=i >= len(scene.targets))
         for i, (name, points, color, width) in enumerate(lines)
     ]
-    return [*paths, *(_marks(scene) if scene.marks.outlines else [])]
+    return [*paths, *(_marks(scene) if scene.standing else [])]
 
 
 def _marks(scene: Scene) -> list[go.Scatter3d]:
     """Outlines of what stands in the room, and what is written there: of a race the gates and their numbers."""
-    outlines = scene.marks.outlines
     lines = [
-        _line(outline, TARGET, 3, name=scene.marks.name, hoverinfo="skip", showlegend=i == 0)
-        for i, outline in enumerate(outlines.values())
+        _line(outline, colour, 3, name=name, hoverinfo="skip", showlegend=i == 0)
+        for name, colour, outlines in _groups(scene)
+        for i, outline in enumerate(outlines)
     ]
     x, y, z = _above(scene).astype(np.float32).T
-    text = {"x": x, "y": y, "z": z, "mode": "text", "text": list(outlines), "textfont": {"color": INK}}
+    text = {
+        "x": x,
+        "y": y,
+        "z": z,
+        "mode": "text",
+        "text": [label for label, _, _ in scene.standing],
+        "textfont": {"color": INK},
+    }
     return [*lines, go.Scatter3d(**text, hoverinfo="skip", showlegend=False)]
+
+
+def _groups(scene: Scene) -> list[tuple[str, str, list[Array]]]:
+    """Name in the legend, colour and outlines of what may be flown to and of what may not."""
+    return [
+        (of.name, LIMIT if of.forbidden else TARGET, list(of.outlines.values()))
+        for of in (scene.marks, scene.obstacles)
+    ]
 
 
 def _above(scene: Scene) -> Array:
     """Where it is written what stands in the room, (n, 3) m; none where nothing does."""
-    middles = [np.nanmean(outline[:-1], axis=0) for outline in scene.marks.outlines.values()]
+    middles = [np.nanmean(outline[:-1], axis=0) for _, _, outline in scene.standing]
     return np.reshape(middles, (-1, 3)) + np.array(ABOVE)
 
 
@@ -143,7 +158,7 @@ def _inside(scene: Scene, path: Array) -> Array:
 
 
 def _box(scene: Scene) -> tuple[Array, Array]:
-    drawn = [scene.tool, *scene.targets.values(), *scene.marks.outlines.values(), _above(scene)]
+    drawn = [scene.tool, *scene.targets.values(), *(line for _, _, line in scene.standing), _above(scene)]
     drawn += [*(p for k in frame_nodes(scene) for p in skeleton(scene, k).values())]
     points = np.concatenate(drawn)
     return np.nanmin(points, axis=0) - MARGIN_M, np.nanmax(points, axis=0) + MARGIN_M
