@@ -168,6 +168,21 @@ def test_without_measured_margins_those_of_the_scenario_stay() -> None:
         assert step is not None and step.margins == own
 
 
+def test_margins_are_cheap_by_what_is_measured_beyond_those_by_hand() -> None:
+    """The same overshoot asks for the same margin on top, whatever was given by hand; a finer grid starts with what was given."""
+    own = {"rate_margin": {"arm": 0.1}, "contact_margin": {"position": 0.3}}
+    for able in (False, True):
+        bare, kept = Round(NONE, correctable=able), Round(own, own, correctable=able)
+        passed = verdict(("contact_position", 0.021, 0.02))
+        one, two = (next_step(passed, case_of(), now) for now in (bare, kept))
+        assert one is not None and two is not None and not (one.finer or two.finer)
+        added = one.margins["contact_margin"]["position"]
+        assert two.margins["contact_margin"]["position"] == pytest.approx(0.3 + added)
+        assert two.margins["rate_margin"] == own["rate_margin"]
+    far = next_step(verdict(("contact_position", 0.04, 0.02)), case_of(), Round(own, own))
+    assert far is not None and far.finer and far.margins == own
+
+
 def test_cut_are_intervals_in_contact_and_those_that_a_correction_does_not_reach() -> None:
     case, found = on_forty()
     certificate = case.judge(found)

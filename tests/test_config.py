@@ -10,6 +10,7 @@ import pytest
 
 from benchbench import pipeline
 from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.planning.margins import least_margins
 from benchbench.planning.validate import validate
 from benchbench.run import config
 from benchbench.run.overrides import carried
@@ -161,29 +162,43 @@ def test_who_asks_for_a_relaxation_gets_a_strategy_that_relaxes(overrides: str, 
 
 
 @pytest.mark.parametrize(
-    ("overrides", "left"),
+    ("overrides", "kept"),
     [
-        ("strategy=phases", 0.5),
-        ("scenario.rate_margin.arm=0.07", 0.0),
-        ("+scenario.contact_margin.velocity=0.1", 0.0),
-        ("strategy=enumeration scenario.contact_margin={position:0.02}", 0.0),
-        ("scenario.rate_margin.arm=0.07 strategy.margin=0", 0.0),
+        ("strategy=phases", {}),
+        ("scenario.rate_margin.arm=0.07", {"rate_margin": {"arm": 0.07}}),
+        ("+scenario.contact_margin.velocity=0.1 strategy.margin=0.3", {"contact_margin": {"velocity": 0.1}}),
+        ("strategy=enumeration scenario.contact_margin={position:0.02}", {"contact_margin": {"position": 0.02}}),
+        ("strategy=multistart strategy@strategy.of=polish scenario.rate_margin.arm=0.07", {"rate_margin": {"arm": 0.07}}),
+        ("scenario.rate_margin.arm=0.07 ~scenario.contact_margin.position", {"rate_margin": {"arm": 0.07}}),
+        ("scenario.rate_margin.arm=0.07 +scenario.kept_margins=[]", {}),
     ],
-)
-def test_who_sets_margins_gets_them_instead_of_measured_ones(overrides: str, left: float) -> None:
+)  # fmt: skip
+def test_margins_by_hand_are_the_least_where_others_are_measured(
+    overrides: str, kept: dict[str, dict[str, float]]
+) -> None:
     case = config.compose("+scenario=static", *overrides.split())
-    assert case.strategy.margin == left  # type: ignore[attr-defined]
+    assert least_margins(case.scenario, 0.5) == {"rate_margin": {}, "contact_margin": {}, **kept}
 
 
-def test_margins_are_measured_or_given_by_hand() -> None:
-    with pytest.raises(BadInput, match=r"strategy.margin: .* allowed: 0 beside scenario.rate_margin"):
-        config.compose("+scenario=static", "scenario.rate_margin.arm=0.07", "strategy.margin=0.3")
+def test_where_none_are_measured_those_of_the_scenario_hold() -> None:
+    case = config.compose("+scenario=static", "scenario.rate_margin.arm=0.07", "strategy.margin=0")
+    assert not case.scenario.kept_margins, "nobody needs to be told"
+    held = {"rate_margin": {"arm": 0.07}, "contact_margin": {"position": 0.01}}
+    assert least_margins(case.scenario, 0.0) == held
 
 
-def test_margins_by_hand_hold_in_nested_strategies_and_for_relaxations() -> None:
+def test_a_kept_margin_is_one_of_the_scenario() -> None:
+    with pytest.raises(
+        BadInput, match=r"kept_margins: there is no margin 'rate_margin.x'; allowed: rate_margin.arm"
+    ):
+        config.compose("+scenario=static", "+scenario.kept_margins=[rate_margin.x]")
+
+
+def test_margins_by_hand_leave_the_task_and_its_relaxations_as_they_are() -> None:
     margin = "scenario.rate_margin.arm=0.07"
-    case = config.compose("+scenario=static", "strategy=multistart", "strategy@strategy.of=polish", margin)
-    assert case.strategy.of.margin == 0  # type: ignore[attr-defined]
+    assert (
+        config.compose("+scenario=static", margin).task_hash == config.compose("+scenario=static").task_hash
+    )
     assert config.compose("+scenario=static", "relaxation=kadrani", margin).names["strategy"] == "relax"
 
 

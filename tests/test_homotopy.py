@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +13,7 @@ from small_mpccs import by_hand, problem
 from benchbench.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Variable
 from benchbench.nlp.homotopy import Path, Solved, homotopy
-from benchbench.nlp.ledger import Ledger
+from benchbench.nlp.ledger import SHORTEST, Ledger
 from benchbench.nlp.method import Method
 from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Setup, Solver
 from benchbench.nlp.warm_start import carried
@@ -100,6 +101,17 @@ def test_spent_time_stops() -> None:
     assert found.x.tolist() == A
     last = solve(Scripted(("solved", A)), relaxation=Scholtes(schedule=(1.0,)), ledger=Ledger(0.0))
     assert last.outcome.claim == "solved"
+
+
+def test_time_is_spent_by_working_not_by_waiting() -> None:
+    """On a loaded machine a run waits for its turn; that is none of its time."""
+    ledger = Ledger(SHORTEST + 0.05)
+    time.sleep(0.1)
+    assert not ledger.over
+    until = time.process_time() + 0.06
+    while time.process_time() < until:
+        pass
+    assert ledger.over
 
 
 def test_a_failed_sigma_is_reached_for_over_the_geometric_mean() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -12,7 +11,7 @@ from benchbench.nlp.program import DERIVATIVES, INTERPRETED
 from benchbench.nlp.solver import Outcome, Progress
 
 SHORTEST = 0.1
-"""Wall seconds that any solve is granted."""
+"""CPU seconds that any solve is granted."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,10 @@ class Milestone:
 
 @dataclass
 class Ledger:
-    """What a run has spent so far, and where its progress is shown."""
+    """What a run has spent so far, and where its progress is shown.
+
+    time_limit  CPU seconds of this process and of its children that have ended, from when the ledger is made
+    """
 
     time_limit: float
     watch: Watch | None = None
@@ -67,7 +69,7 @@ class Ledger:
     """Complementarity pairs were met, so the relaxation played a part."""
     guesses: bool = False
     """What is solved now only makes an initial guess."""
-    began: float = field(default_factory=time.perf_counter)
+    began: float = field(default_factory=cpu_s)
 
     @contextmanager
     def building(self) -> Iterator[None]:
@@ -131,8 +133,8 @@ class Ledger:
 
     @property
     def seconds_left(self) -> float:
-        """Wall seconds left for the next solve, at least `SHORTEST`."""
-        return max(self.time_limit - (time.perf_counter() - self.began), SHORTEST)
+        """CPU seconds left for the next solve, at least `SHORTEST`: what else runs on a machine takes nothing away."""
+        return max(self.time_limit - (cpu_s() - self.began), SHORTEST)
 
     @property
     def over(self) -> bool:

@@ -53,7 +53,7 @@ Warmth = Literal["no", "near", "prolongated"]
 class Setup:
     """What a backend is told before it builds; each maps it onto its own option names.
 
-    seconds, iterations  limits of each solve
+    seconds, iterations  limits of each solve; seconds of CPU, but for libraries that have a wall clock only
     accuracy             "low", "medium", "high" ask for KKT residuals of about 1e-4, 1e-6, 1e-8
     warm                 what the starts bring: no multipliers; those of nearly the same problem; those of another grid
     """

@@ -60,6 +60,8 @@ class Scenario(BaseModel, ABC):
     workspace          limits of coordinates by name that belong to the room, not to the vehicle
     rate_margin        share of a velocity limit that the planner leaves unused, by coordinate name: a
                        transcription keeps limits at its nodes, and the plan is judged by what is flown
+    kept_margins       names of margins (rate_margin.arm) that hold at least where a strategy measures them; what is
+                       overridden by hand is among them (`benchbench.run.overrides`)
     authority          share of the range of each input that the planner leaves to the controller, half of it at either end
     hover_ends         first and last input equal hover (authors' public demo; not in the paper)
 
@@ -73,7 +75,7 @@ class Scenario(BaseModel, ABC):
 
     model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
     mark: ClassVar[tuple[str, ...]] = ()
-    planning: ClassVar[tuple[str, ...]] = ("travel_time_guess", "rate_margin", "authority")
+    planning: ClassVar[tuple[str, ...]] = ("travel_time_guess", "rate_margin", "kept_margins", "authority")
 
     name: str
     start: dict[str, Finite]
@@ -84,6 +86,7 @@ class Scenario(BaseModel, ABC):
     input_cost: NonNegative = 3e-3
     workspace: dict[str, Range] = Field(default_factory=dict)
     rate_margin: dict[str, Share] = Field(default_factory=dict)
+    kept_margins: tuple[str, ...] = ()
     authority: Share = 0.0
     hover_ends: bool = False
     obstacles: dict[str, InstanceOf[Contact]] = Field(default_factory=dict)

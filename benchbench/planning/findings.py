@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.check import Check
 from benchbench.planning.case import Case
-from benchbench.planning.margins import NONE, Margins, largest, taken_back
+from benchbench.planning.margins import NONE, Margins, beyond, taken_back
 
 CHEAP = {"rate_margin": 0.02, "contact_margin": 0.5}
 """Share of a limit up to which a margin is taken rather than a finer grid.
@@ -29,7 +29,7 @@ class Round:
     """One round of the loop: the margins that its plan was made with, and what may be done on its grid.
 
     least       margins that any plan is made with
-    most        largest margin of all
+    most        largest margin beyond those
     may_refine  whether there may be a finer grid
     raised      how often margins were raised on this grid
     correctable, corrected  whether the error of the transcription may be taken off its equations, and whether it was
@@ -70,10 +70,10 @@ def next_step(found: Certificate, case: Case, now: Round) -> Step | None:
     where the errors are. Where there may be no finer grid margins of up to `most` are taken.
     """
     raised = taken_back(now.margins, found, case)
-    by_margins = raised != now.margins and largest(raised) <= now.most
+    by_margins = raised != now.margins and beyond(raised, now.least) <= now.most
     curable = by_margins and all(_by_margin(check) for check in found.broken)
     along = _along(case)
-    if curable and (not now.may_refine or (now.raised < RAISED and _cheap(raised, along))):
+    if curable and (not now.may_refine or (now.raised < RAISED and _cheap(raised, now.least, along))):
         return Step(raised, correct=now.corrected)
     if now.correctable:
         return _corrected(found, raised, now, along)
@@ -85,20 +85,22 @@ def next_step(found: Certificate, case: Case, now: Round) -> Step | None:
 def _corrected(found: Certificate, raised: Margins, now: Round, along: frozenset[str]) -> Step | None:
     """Take the error of the transcription off, cut what margins do not cure, and take the margins that are cheap."""
     rates, contacts = raised["rate_margin"], dict(raised["contact_margin"])
-    dear = {name for name in along if now.may_refine and contacts.get(name, 0.0) > ALONG}
+    own = now.least["contact_margin"]
+    dear = {n for n in along if now.may_refine and contacts.get(n, 0.0) - own.get(n, 0.0) > ALONG}
     contacts |= {name: now.margins["contact_margin"].get(name, 0.0) for name in dear}
     most = {kind: min(share, now.most) if now.may_refine else now.most for kind, share in CHEAP.items()}
-    fast = max(rates.values(), default=0.0) > most["rate_margin"]
-    near = max(contacts.values(), default=0.0) > (most["contact_margin"] if now.corrected else HOPELESS)
+    fast = beyond({"rate_margin": rates}, now.least) > most["rate_margin"]
+    bearable = most["contact_margin"] if now.corrected else HOPELESS
+    near = max((m - own.get(n, 0.0) for n, m in contacts.items()), default=0.0) > bearable
     near |= _bent(found, now)
     room = any(check.name in ("replay_position", "replay_angle") for check in found.broken)
     if near:
         contacts = _ahead({**raised, "contact_margin": contacts}, now.least, now.most)["contact_margin"]
-    own = now.least["contact_margin"]
     margins = {
         "rate_margin": now.margins["rate_margin"] if fast else rates,
         "contact_margin": {
-            n: max(min(m, most["contact_margin"]), own.get(n, 0.0)) for n, m in contacts.items()
+            n: max(min(m, own.get(n, 0.0) + most["contact_margin"]), own.get(n, 0.0))
+            for n, m in contacts.items()
         },
     }
     if not now.may_refine and now.corrected and margins == now.margins:
@@ -125,9 +127,9 @@ def _along(case: Case) -> frozenset[str]:
     return frozenset(n for stop in stops for n, c in stop.contacts.items() if c.kept != "in contact")
 
 
-def _cheap(margins: Margins, along: frozenset[str]) -> bool:
+def _cheap(margins: Margins, least: Margins, along: frozenset[str]) -> bool:
     return all(
-        share <= (ALONG if name in along and kind == "contact_margin" else CHEAP[kind])
+        share - least[kind].get(name, 0.0) <= (ALONG if name in along and kind == "contact_margin" else CHEAP[kind])
         for kind, own in margins.items() for name, share in own.items()
     )  # fmt: skip
 

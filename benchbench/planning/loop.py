@@ -11,7 +11,7 @@ from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.planning.findings import Round, Step, next_step
 from benchbench.planning.ladder import climb, coarse, on_grid, rung
-from benchbench.planning.margins import NONE, own_margins, with_margins
+from benchbench.planning.margins import least_margins, with_margins
 from benchbench.planning.mesh import exceeded, halved, marked, steady, touching
 from benchbench.planning.rescue import rescue
 from benchbench.planning.result import Result
@@ -29,7 +29,7 @@ Refinement = Literal["local", "uniform"]
 class Loop:
     """Rounds from any number of starts, with margins of at most `margin`; grids below `finest` intervals may be refined.
 
-    margin      0: those of the scenario instead of measured ones
+    margin      0: those of the scenario instead of measured ones; else measured on top of those it keeps
     refinement  where a grid is refined: in the intervals in which the replay found errors, or everywhere
     correction  whether the error of the transcription is taken off its equations where that can be
     told        what each round gave, in words
@@ -65,7 +65,7 @@ class Loop:
 
     def certifies(self, case: Case, start: Plan) -> bool:
         """Plan from one start until the certificate accepts; returns whether it does."""
-        least = NONE if self.margin else own_margins(case.scenario)
+        least = least_margins(case.scenario, self.margin)
         now, level = Round(least, least, self.margin), with_margins(case, least)
         found = self._first(level, start)
         for left in reversed(range(ROUNDS + 1)):

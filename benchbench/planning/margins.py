@@ -39,12 +39,13 @@ def measured(
 ) -> Result:
     """Solve, from nothing or from an earlier result, until the certificate accepts or a margin would exceed `most`.
 
-    Returns the certified result, with the account of the first solve; without one the first, which has no margins. With
-    `most` 0 nothing is measured: the one solve has the margins of the scenario.
+    Returns the certified result, with the account of the first solve; without one the first, which has no margins but those
+    kept (`least_margins`), on top of which others are measured. With `most` 0 nothing is measured: the one solve has the
+    margins of the scenario.
     """
     if not most:
         return solve(case, None)
-    margins = NONE
+    margins = least = least_margins(case.scenario, most)
     first = last = solve(with_margins(case, margins), None)
     for _ in range(ROUNDS):
         if not last.claimed or ledger.over:
@@ -53,7 +54,7 @@ def measured(
         if certificate.certified:
             return last
         raised = taken_back(margins, certificate, case)
-        if raised == margins or largest(raised) > most:
+        if raised == margins or beyond(raised, least) > most:
             return first
         margins = raised
         last = _of_the_search(first, solve(with_margins(case, margins), last))
@@ -87,9 +88,22 @@ def own_margins(scenario: Scenario) -> Margins:
     return {field: dict(getattr(scenario, field, {})) for field in NONE}
 
 
-def largest(margins: Margins) -> float:
-    """The largest of all margins, 0 without any."""
-    return max((m for own in margins.values() for m in own.values()), default=0.0)
+def least_margins(scenario: Scenario, most: float) -> Margins:
+    """Return the margins that any plan is made with: where none may be measured (`most` 0) all of the scenario, else those kept."""
+    own = own_margins(scenario)
+    if not most:
+        return own
+    kept = scenario.kept_margins
+    return {field: {n: m for n, m in own[field].items() if f"{field}.{n}" in kept} for field in own}
+
+
+def beyond(margins: Margins, least: Margins) -> float:
+    """By how much the largest of all margins exceeds what is kept anyway, 0 where none does; infinite where nothing is left of a limit."""
+    over = [
+        m - least[field].get(n, 0.0) if m < 1 else np.inf
+        for field, own in margins.items() for n, m in own.items()
+    ]  # fmt: skip
+    return max([0.0, *over])
 
 
 def taken_back(margins: Margins, found: Certificate, case: Case) -> Margins:

@@ -23,6 +23,7 @@ from benchbench.ocp.kinds import FIELD, kind_of
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case, Guess, ReadyCase, Strategy
+from benchbench.planning.margins import NONE
 from benchbench.planning.task_hash import task_hash
 from benchbench.run import flying, settings, trust
 from benchbench.run.choices import PARTS
@@ -209,12 +210,18 @@ def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:
 
 
 def _check_margins(scenario: Mapping[str, Any]) -> None:
-    """Raise BadInput for a margin or an aim of a contact that is neither there nor switched off by null."""
+    """Raise BadInput for a margin or an aim of a contact that is neither there nor switched off by null, or a kept one that is none."""
     contacts = scenario.get("contacts") or {}
     for field in ("contact_margin", "aim"):
         for name in scenario.get(field) or {}:
             if contacts and name not in contacts:
                 raise BadInput(f"scenario.{field}.{name}", "there is no such contact", ", ".join(contacts))
+    there = [f"{field}.{name}" for field in NONE for name in scenario.get(field) or {}]
+    for name in scenario.get("kept_margins") or ():
+        if name not in there:
+            raise BadInput(
+                "scenario.kept_margins", f"there is no margin {name!r}", ", ".join(there) or "none"
+            )
 
 
 def make(cfg: DictConfig, family: str) -> Any:

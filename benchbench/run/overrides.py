@@ -8,22 +8,22 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
 from omegaconf import DictConfig, OmegaConf
 
-from benchbench.errors import BadInput
 from benchbench.ocp.track_file import beside_the_lap
 
 SMOOTH, RELAXING = "auto", "relax"
 """The default strategy, which has no complementarity to relax, and the one for those who ask for a relaxation."""
 TRACK = "scenario.track"
 MARGINS = ("scenario.rate_margin", "scenario.contact_margin")
-"""Margins by hand; a strategy with a field `margin` above 0 measures its own instead (`benchbench.planning.margins`)."""
+"""Margins by hand; a strategy with a field `margin` above 0 keeps them, and measures on top of them (`benchbench.planning.margins`)."""
+KEPT = "scenario.kept_margins"
 
 
 def implied(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
     """Return what is meant beside the overrides, given the configuration they lead to, that of Hydra included.
 
     Who asks for a relaxation, or sets a field of one, and for no strategy does not mean one that ignores it. Who sets
-    margins does not mean a strategy that measures its own. Who names a track file means what it says of start, end, radius
-    and gates, but for what they say themselves. Raises BadInput for who asks for both kinds of margins.
+    margins wants at least those from a strategy that measures its own. Who names a track file means what it says of start,
+    end, radius and gates, but for what they say themselves.
     """
     return [*_of_the_track(overrides, cfg), *_of_the_method(overrides, cfg)]
 
@@ -43,22 +43,16 @@ def _of_the_track(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
 def _of_the_method(overrides: Sequence[str], cfg: DictConfig) -> list[str]:
     if _relaxing(overrides) and cfg.hydra.runtime.choices.get("strategy") == SMOOTH:
         return [f"strategy={RELAXING}"]
-    if not _by_hand(overrides) or not isinstance(cfg.get("strategy"), DictConfig):
+    kept = _by_hand(overrides)
+    strategy = cfg.get("strategy")
+    if not kept or KEPT in keys(overrides) or not isinstance(strategy, DictConfig) or not _measures(strategy):
         return []
-    asked = keys(overrides)
-    measuring = list(_measured(cfg.strategy, "strategy"))
-    for key in asked.intersection(measuring):
-        raise BadInput(
-            key,
-            "margins are measured, but there are margins by hand, too",
-            f"0 beside {MARGINS[0]} or {MARGINS[1]}",
-        )
-    return [f"{key}=0" for key in measuring]
+    return [f"++{KEPT}=[{','.join(kept)}]"]
 
 
 def implying(overrides: Sequence[str]) -> bool:
     """Whether these overrides may imply others."""
-    return _relaxing(overrides) or _by_hand(overrides) or TRACK in keys(overrides)
+    return _relaxing(overrides) or bool(_by_hand(overrides)) or TRACK in keys(overrides)
 
 
 def quoted(text: str) -> str:
@@ -72,8 +66,25 @@ def _relaxing(overrides: Sequence[str]) -> bool:
     return "relaxation" in asked and "strategy" not in asked
 
 
-def _by_hand(overrides: Sequence[str]) -> bool:
-    return any(key.startswith(MARGINS) for key in keys(overrides))
+def _by_hand(overrides: Sequence[str]) -> list[str]:
+    """Names of the margins that are set, as `rate_margin.arm`."""
+    parsed = OverridesParser.create().parse_overrides(list(overrides))
+    return sorted({name for o in parsed if not o.is_delete() for name in _set(o)})
+
+
+def _set(override: Override) -> Iterator[str]:
+    """Names of the margins that one override sets: the one it is about, or all of a mapping."""
+    key = override.key_or_group
+    field = next((field for field in MARGINS if f"{key}.".startswith(f"{field}.")), None)
+    if field is None:
+        return
+    values = [override.value()] if not override.is_sweep_override() else list(override.sweep_iterator())
+    own = (
+        [key]
+        if key != field
+        else [f"{field}.{name}" for value in values if isinstance(value, dict) for name in value]
+    )
+    yield from (name.removeprefix("scenario.") for name in own)
 
 
 def keys(overrides: Sequence[str]) -> set[str]:
@@ -81,13 +92,13 @@ def keys(overrides: Sequence[str]) -> set[str]:
     return {o.key_or_group for o in OverridesParser.create().parse_overrides(list(overrides))}
 
 
-def _measured(node: DictConfig, path: str) -> Iterator[str]:
-    """Paths of the fields that ask a strategy, or one inside it, to measure margins."""
-    for key, value in node.items():
-        if isinstance(value, DictConfig):
-            yield from _measured(value, f"{path}.{key!s}")
-        elif key == "margin" and isinstance(value, (int, float)) and value > 0:
-            yield f"{path}.{key!s}"
+def _measures(node: DictConfig) -> bool:
+    """Whether a strategy, or one inside it, measures margins."""
+    return any(
+        _measures(value) if isinstance(value, DictConfig)
+        else key == "margin" and isinstance(value, (int, float)) and value > 0
+        for key, value in node.items()
+    )  # fmt: skip
 
 
 def carried(overrides: Sequence[str]) -> list[str]:

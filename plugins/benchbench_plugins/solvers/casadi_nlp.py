@@ -121,7 +121,8 @@ def _runner(
         began = time.perf_counter()
         with quiet(setup.progress is None):
             outcome = _run(solver, bounded, backend.claims, watch, p, start, setup.iterations)
-        return _limited(outcome, setup, time.perf_counter() - began)
+        took = time.perf_counter() - began if backend.timed else outcome.cpu_s
+        return _limited(outcome, setup, took)
 
     return solve
 
@@ -129,7 +130,7 @@ def _runner(
 def _limited(outcome: Outcome, setup: Setup, took: float) -> Outcome:
     """Name the limit that an outcome is due to: CasADi calls both the same, some backends neither.
 
-    took: wall seconds; a backend may overrun its limit by far where it looks at its clock between iterations only.
+    took: seconds of the clock that limits it, which is the wall's in most libraries; a backend may overrun its limit by far where it looks at its clock between iterations only.
     """
     if outcome.claim not in ("failed", "iteration_limit"):
         return outcome

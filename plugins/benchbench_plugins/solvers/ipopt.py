@@ -69,7 +69,7 @@ class Ipopt(Solver):
         return native
 
     def native_options(self, setup: Setup) -> dict[str, Any]:
-        """IPOPT's tol, max_iter and max_wall_time; mu and bounds as measured best for MPCCs."""
+        """IPOPT's tol, max_iter and max_cpu_time; mu and bounds as measured best for MPCCs."""
         own = {
             "tol": TOLERANCE[setup.accuracy],
             "linear_solver": self.linear_solver,
@@ -77,7 +77,7 @@ class Ipopt(Solver):
             "mu_strategy": "adaptive",
             "bound_relax_factor": 0.0,
             "max_iter": setup.iterations,
-            "max_wall_time": setup.seconds,
+            "max_cpu_time": setup.seconds,
             "print_level": 0,
             "sb": "yes",
         }
