@@ -97,6 +97,7 @@ OTHERS = (
     ("tune {d}/nowhere.yaml", "{d}/nowhere.yaml"), ("tune {d}/bad.yaml", "{d}/bad.yaml"), ("tune {d}/space.yaml", "{d}/space.yaml: space"),
     ("tune {d}/odd.yaml", "{d}/odd.yaml: sweet"), ("tune {d}/tune.yaml +scenario=static", "hydra.sweeper.n_trials"), ("tune {d}/nothing", "{d}/nothing"),
     ("tune {d}/deep.yaml", "{d}/deep.yaml"), ("collection {d}/nothing", "{d}/nothing"), ("collection {d}/nowhere", "{d}/nowhere"),
+    ("bundle", "benchbench bundle"), ("bundle {d}/nothing", "{d}/nothing"), ("table {d}/file", "{d}/file"), ("report {d}/broken.json --leaderboard", "{d}/broken.json"),
     ("plugins nonsense", "plugins"), ("robust", "scenario"), ("show", "benchbench show"), ("show {d}/nowhere", "{d}/nowhere"), ("show {d}/nothing", "{d}/nothing"), ("draw {d}/plans --output x.doc", "--output"),
     ("draw {d}/plans {d}/plans --output x.pdf", "--output"), ("draw {d}/plans --fps 0", "--fps"), ("compare {d}/nothing", "benchbench compare"),
     ("compare {d}/nothing {d}/nowhere", "{d}/nowhere"), ("compare {d}/nothing {d}/nothing", "{d}/nothing"), ("compare {d}/nothing {d}/nothing --output x.doc", "--output"),

@@ -35,11 +35,16 @@ def browser(width: int, height: int = 1000) -> Iterator[WebDriver]:
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     page = webdriver.Chrome(options=options, service=Service(driver))
     try:
-        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
-        page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        resize(page, width, height)
         yield page
     finally:
         page.quit()
+
+
+def resize(page: WebDriver, width: int, height: int = 1000) -> None:
+    """Make the page as wide as a desk's or a telephone's."""
+    size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
 
 
 def errors(page: WebDriver) -> list[dict[str, Any]]:

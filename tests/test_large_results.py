@@ -173,7 +173,7 @@ def test_the_page_says_what_it_leaves_out(tmp_path: Path) -> None:
     for number in range(room.FILES + 3):
         (tmp_path / f"broken{number}").mkdir()
         (tmp_path / f"broken{number}" / "record.json").write_text("{")
-    page = render(content([tmp_path], None, 0, rows=2))
+    page = render(content(collect([tmp_path]), [tmp_path], None, 0, rows=2))
     assert "2 of 6 runs are listed" in page and "And 3 more." in page
     assert page.count('class="number" data-key="2.5"') == 2
     with pytest.raises(BadInput, match="--rows: -1 was given"):

@@ -25,6 +25,7 @@ from benchbench.report.html.race_table import race_rows
 from benchbench.report.race_panels import race_panels
 from benchbench.report.views import scene
 from benchbench.run import config
+from benchbench.storage.collect import collect
 
 
 def race(run: str, gates: int, dynamics: str = "rk4", **values: Any) -> dict[str, Any]:
@@ -168,7 +169,7 @@ def test_the_page_has_the_table_and_opens_without_an_error(tmp_path: Path) -> No
     )  # fmt: skip
     assert done.returncode in (0, 1), done.stderr
     assert told(tmp_path, "report", "results").returncode == 0
-    found = content([tmp_path / "results"], None, 0)
+    found = content(collect([tmp_path / "results"]), [tmp_path / "results"], None, 0)
     assert found.runs.gates.tolist().count(2) == 2
     page = (tmp_path / "report.html").read_text()
     text = re.sub("<script.*?</script>|<style.*?</style>", "", page, flags=re.DOTALL)

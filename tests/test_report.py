@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 import shutil
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from browser import address, browser, errors
+from browser import address, browser, errors, resize
 from omegaconf import OmegaConf
 from program import Done, assert_refused, records, told
 from selenium.webdriver import ActionChains, Keys
@@ -30,6 +31,7 @@ from benchbench.cli.report_content import best_first, content
 from benchbench.report.html.page import render
 from benchbench.report.html.plans.view import FRAMES, frame_nodes, view
 from benchbench.report.views import scene
+from benchbench.storage.collect import collect
 from benchbench.storage.files import write_record
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap
@@ -100,7 +102,7 @@ def test_the_program_says_what_it_wrote(made: tuple[Path, Done]) -> None:
 
 
 def test_the_rates_are_those_of_the_records(made: tuple[Path, Done]) -> None:
-    found = content([made[0] / "results"], None, 0)
+    found = content(collect([made[0] / "results"]), [made[0] / "results"], None, 0)
     certified = sum(record["certified"] for record in found.runs.to_dict("records"))
     assert 0 < certified < RUNS
     text = page_text(made[0] / "report.html")
@@ -178,21 +180,21 @@ def test_a_replay_that_runs_away_does_not_set_the_scale() -> None:
 
 def test_one_run(results: Path) -> None:
     only(results, 1, certified=True)
-    report = content([results], "One", 5)
+    report = content(collect([results]), [results], "One", 5)
     assert len(report.plans) == 1 and report.runs.method.tolist() == ["ipopt"]
     assert "<title>One</title>" in render(report)
 
 
 def test_no_certified_run(results: Path) -> None:
     only(results, 2, certified=False, intervals=12)
-    text = render(content([results], None, 5))
+    text = render(content(collect([results]), [results], None, 5))
     assert text.count("No run has a certified plan, so there is no cost to compare.") == 2
     assert "not certified</span>" in text
 
 
 def test_no_plan_at_all(results: Path) -> None:
     only(results, 1, status="crash")
-    text = render(content([results], None, 5))
+    text = render(content(collect([results]), [results], None, 5))
     for says in (
         "No run has a recorded plan.",
         "No run has a plan.",
@@ -218,7 +220,7 @@ def test_no_plan_at_all(results: Path) -> None:
 def test_a_plan_that_cannot_be_shown_is_told(results: Path, damage: Any, says: str) -> None:
     bad, _ = only(results, 2, certified=True)
     damage(bad)
-    report = content([results], None, 5)
+    report = content(collect([results]), [results], None, 5)
     assert len(report.plans) == 1 and len(report.runs) == 2
     assert len(report.missing) == 1 and says in report.missing[0]
 
@@ -237,14 +239,14 @@ def test_a_plan_of_an_older_configuration_is_shown(results: Path) -> None:
     tree.solver._target_ = "gone.Gone"
     del tree["certificate"]
     OmegaConf.save(tree, old / "config.yaml")
-    report = content([results], None, 5)
+    report = content(collect([results]), [results], None, 5)
     assert len(report.plans) == 2 and not report.missing
     assert "gone.Gone" in render(report)
 
 
 def test_a_row_without_its_folder_is_a_run(results: Path) -> None:
     shutil.rmtree(results / "sweeps")
-    report = content([results], None, 5)
+    report = content(collect([results]), [results], None, 5)
     assert len(report.runs) == RUNS and not report.plans
 
 
@@ -412,13 +414,13 @@ def test_a_run_leads_to_its_plan(page: WebDriver) -> None:
 
 
 @pytest.mark.parametrize("width", [480, 1400])
-def test_nothing_sticks_out_of_the_page(made: tuple[Path, Done], width: int) -> None:
-    with browser(width) as driver:
-        opened(driver, made[0] / "report.html")
-        assert driver.execute_script("return document.documentElement.scrollWidth") <= width
+def test_nothing_sticks_out_of_the_page(page: WebDriver, made: tuple[Path, Done], width: int) -> None:
+    resize(page, width)
+    opened(page, made[0] / "report.html")
+    assert page.execute_script("return document.documentElement.scrollWidth") <= width
 
 
-def test_texts_of_a_record_stay_texts(tmp_path: Path) -> None:
+def test_texts_of_a_record_stay_texts(page: WebDriver, tmp_path: Path) -> None:
     evil = "</script><script>window.hit = 1</script><img src=x onerror='window.hit = 1'>"
     values = {
         "solver": evil,
@@ -431,8 +433,61 @@ def test_texts_of_a_record_stay_texts(tmp_path: Path) -> None:
         write_record(tmp_path / "results" / name, row(name, **{**values, "relaxation": evil + name}))
     done = told(tmp_path, "report", "results", "--title", evil)
     assert done.returncode == 0, done.stderr
-    with browser(1400) as driver:
-        opened(driver, tmp_path / "report.html")
-        assert driver.execute_script("return window.hit") is None
-        assert evil in driver.find_element(By.CSS_SELECTOR, "#success-rates").text
-        assert errors(driver) == []
+    opened(page, tmp_path / "report.html")
+    assert page.execute_script("return window.hit") is None
+    assert evil in page.find_element(By.CSS_SELECTOR, "#success-rates").text
+    assert errors(page) == []
+
+
+@pytest.fixture(scope="module")
+def board(made: tuple[Path, Done], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A leaderboard of a bundle and of the folder it is made of."""
+    folder = tmp_path_factory.mktemp("board")
+    shutil.copytree(made[0] / "results" / "sweeps", folder / "results" / "sweeps")
+    assert told(folder, "bundle", "results", "--machine", "<laptop>").returncode == 0
+    done = told(folder, "report", "results.zip", "results", "--leaderboard", "--plans", "1")
+    assert done.returncode == 0, done.stderr
+    assert "8 runs judged again: " in done.stderr and "in leaderboard.html" in done.stdout
+    return folder
+
+
+def test_the_leaderboard_has_the_fastest_certified_plan_of_each_method(page: WebDriver, board: Path) -> None:
+    """Rows are methods, columns are tasks; what is said of a cell is true of the file that it leads to."""
+    resize(page, 1400)
+    page.get(address(board / "leaderboard.html"))
+    times: dict[tuple[str, str], float] = {}
+    for record in (record for record in records(board / "results") if record["certified"]):
+        key = record["dynamics"], f"{record['scenario']}, N={record['intervals']}, κ={record['kappa_init']}"
+        times[key] = min(times.get(key, np.inf), record["travel_time_s"])
+    table = page.find_element(By.ID, "leaderboard")
+    tasks = [head.text for head in table.find_elements(By.CSS_SELECTOR, "thead th")][2:]
+    rows = table.find_elements(By.CSS_SELECTOR, "tbody tr")
+    shown = {
+        (row.find_element(By.TAG_NAME, "th").text, task): cell.find_element(By.TAG_NAME, "a")
+        for row in rows
+        for task, cell in zip(tasks, row.find_elements(By.TAG_NAME, "td")[1:], strict=True)
+        if cell.find_elements(By.TAG_NAME, "a")
+    }
+    assert {key: link.text for key, link in shown.items()} == {key: f"{t:.4f}" for key, t in times.items()}
+    counts = [int(row.find_element(By.TAG_NAME, "td").text) for row in rows]
+    assert sum(counts) == len(times) and counts == sorted(counts, reverse=True)
+    assert "none (" in table.text and "<laptop>" in page.find_element(By.ID, "sources").text
+    for (method, _), link in shown.items():
+        link.click()
+        entry = page.find_element(By.ID, link.get_attribute("href").partition("#")[2])
+        wait(page, "return arguments[0].open", entry)
+        assert f"dynamics={method}" in entry.find_element(By.CSS_SELECTOR, "code.command").text
+        file = board / entry.find_element(By.CSS_SELECTOR, "a[download]").text
+        assert hashlib.sha256(file.read_bytes()).hexdigest() in entry.text
+        assert f"{read_mcap(file).plan.travel_time:.4f} s" in entry.find_element(By.TAG_NAME, "summary").text
+    assert errors(page) == []
+
+
+def test_the_leaderboard_shows_a_plan_and_fits_a_telephone(page: WebDriver, board: Path) -> None:
+    resize(page, 480)
+    page.get(address(board / "leaderboard.html"))
+    assert page.execute_script("return document.documentElement.scrollWidth") <= 480
+    page.execute_script("document.querySelector('details:has(.view)').open = true")
+    wait(page, "return !!document.querySelector('details.plan[data-drawn] canvas')")
+    assert page.execute_script("return document.documentElement.scrollWidth") <= 480
+    assert errors(page) == []

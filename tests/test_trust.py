@@ -22,6 +22,7 @@ from benchbench.errors import BadInput
 from benchbench.mpcc.cache import cache_root, private
 from benchbench.ocp.reading import DEEPEST
 from benchbench.run import config, trust
+from benchbench.storage.collect import collect
 from benchbench.storage.configuration import LARGEST, configuration, read
 from benchbench.storage.formats import csv
 from benchbench.storage.schema import make_record
@@ -71,7 +72,7 @@ def change(results: Path, place: str, value: Any) -> None:
 
 def test_an_honest_folder_is_shown(theirs: Path) -> None:
     """Otherwise nothing below says anything."""
-    found = content([theirs], None, 1)
+    found = content(collect([theirs]), [theirs], None, 1)
     assert len(found.plans) == 1, found.missing
 
 
@@ -82,7 +83,7 @@ def test_nothing_but_plugins_is_made_of_a_stored_configuration(
 ) -> None:
     canary = tmp_path / "canary"
     change(theirs, place, {"_target_": target, "_args_": [f"touch {shlex.quote(str(canary))}"]})
-    found = content([theirs], None, 1)
+    found = content(collect([theirs]), [theirs], None, 1)
     assert not canary.exists()
     assert not found.plans and "is no installed plugin" in found.missing[0], found.missing
     assert len(found.runs) == 1, "its row is still there"
@@ -99,7 +100,7 @@ def test_nor_of_what_stands_deeper_or_in_other_words(theirs: Path, tmp_path: Pat
         [[{"deep": evil}]],
     ):
         change(theirs, "scenario.target", value)
-        assert not content([theirs], None, 1).plans
+        assert not content(collect([theirs]), [theirs], None, 1).plans
         assert not canary.exists()
 
 
@@ -107,7 +108,7 @@ def test_variables_of_the_environment_are_not_told(theirs: Path, monkeypatch: py
     monkeypatch.setenv("CANARY", "a-secret-of-this-machine")
     for place in ("strategy.note", "scenario.name", "vehicle.name"):
         change(theirs, place, "${oc.env:CANARY}")
-    found = content([theirs], None, 1)
+    found = content(collect([theirs]), [theirs], None, 1)
     assert not found.plans and "${oc.env:CANARY}" in found.missing[0]
     assert "a-secret-of-this-machine" not in str(found.settings) + str(found.missing)
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Protocol
 
 import pandas as pd
+import pyarrow as pa
 import yaml  # type: ignore[import-untyped]
 
 from benchbench.analysis.costs import solve_time
@@ -20,13 +22,31 @@ from benchbench.report.panels import panels
 from benchbench.report.views import scene
 from benchbench.run.failure import reason
 from benchbench.run.stored import scene_parts
-from benchbench.storage.collect import collect
 from benchbench.storage.configuration import configuration
 from benchbench.storage.files import PLAN
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.schema import Record
 from benchbench.storage.settings import SettingsReader
 from benchbench.storage.table import frame
+
+Hear = Callable[[str], None]
+
+
+class Found(Protocol):
+    """Runs, as `benchbench.storage.collect` or `benchbench.cli.gathering` give them."""
+
+    @property
+    def rows(self) -> pa.Table:
+        """All of them."""
+
+    @property
+    def folders(self) -> tuple[Path | None, ...]:
+        """Where each is."""
+
+    @property
+    def problems(self) -> dict[Path, str]:
+        """Files that could not be used."""
+
 
 FACTS = {
     "travel time": ("travel_time_s", 1.0, "s"), "lower bound": ("lower_bound_s", 1.0, "s"),
@@ -38,20 +58,31 @@ FACTS = {
 """What is said of a plan: column, factor, unit."""
 
 
-def content(folders: Sequence[Path], title: str | None, most: int, rows: int = ROWS) -> Report:
-    """Read the runs and at most `most` of their plans, to list at most `rows` of the runs; raises BadInput where there is none."""
-    found = collect(folders)
+def content(
+    found: Found,
+    places: Sequence[Path],
+    title: str | None,
+    most: int,
+    rows: int = ROWS,
+    hear: Hear = lambda _: None,
+) -> Report:
+    """Take the runs found below `places` and read at most `most` of their plans, to list at most `rows` of the runs.
+
+    hear: told what is done. Raises BadInput where there is no run.
+    """
     if not found.rows.num_rows:
         problem = f"no run was found{', only files that cannot be used' if found.problems else ''}"
-        raise BadInput(", ".join(map(str, folders)), problem, "folders with results, as runs write them")
+        raise BadInput(", ".join(map(str, places)), problem, "folders with results, as runs write them")
+    hear("reading configurations")
     reader = SettingsReader()
     settings = [reader.read(folder) for folder in found.folders]
     runs = name_runs(frame(found.rows), settings)
     runs = runs.assign(solve_s=solve_time(runs))
     plans, missing = [], []
     candidates = [i for i in best_first(runs) if _has_plan(found.folders[i])]
-    for i in candidates[:most]:
-        (record,) = found.rows.slice(i, 1).to_pylist()
+    for number, i in enumerate(candidates[:most]):
+        hear(f"plan {number + 1} of {min(most, len(candidates))}")
+        (record,) = found.rows.slice(i, 1).to_pylist(maps_as_pydicts="strict")
         try:
             plans.append(plan_view(record, f"{runs.problem[i]}: {runs.method[i]}", found.folders[i]))
         except Exception as error:  # noqa: BLE001  # it was written by another version, plugin or program
@@ -63,7 +94,7 @@ def content(folders: Sequence[Path], title: str | None, most: int, rows: int = R
         )
     if not candidates:
         missing.append("No run has a recorded plan.")
-    names = ", ".join(folder.resolve().name for folder in folders)
+    names = ", ".join(folder.resolve().name for folder in places)
     return Report(title or f"Report on {names}", runs, settings, plans, missing, found.problems, rows)
 
 

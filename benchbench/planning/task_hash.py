@@ -27,13 +27,28 @@ def task_hash(cfg: DictConfig) -> str:
     class's default counts as left out, so that a new field with a default changes nothing.
     """
     tree: Any = OmegaConf.to_container(cfg, resolve=True)
-    scenario, kind = fields_of(tree["scenario"]), kind_of(tree["scenario"])
     content = {
-        "scenario": _without(_content(scenario, _defaults(kind)), (*kind.planning, *LABELS)),
-        "vehicle": _without(_content(tree["vehicle"]), LABELS),
+        **_asked(tree),
         "dynamics": _content(tree["dynamics"]),
         "certificate": _without(_content(tree["certificate"]), ("stationarity", "stationarity_seconds")),
     }
+    return _hash(content)
+
+
+def asked_hash(cfg: DictConfig) -> str:
+    """Return the hash of what is flown alone, of scenario and vehicle: methods of all transcriptions may be compared on it."""
+    return _hash(_asked(OmegaConf.to_container(cfg, resolve=True)))
+
+
+def _asked(tree: Any) -> dict[str, Any]:
+    scenario, kind = fields_of(tree["scenario"]), kind_of(tree["scenario"])
+    return {
+        "scenario": _without(_content(scenario, _defaults(kind)), (*kind.planning, *LABELS)),
+        "vehicle": _without(_content(tree["vehicle"]), LABELS),
+    }
+
+
+def _hash(content: Any) -> str:
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:16]
 
 

@@ -30,7 +30,10 @@ class StoredRun:
 def stored(root: Path) -> list[StoredRun]:
     """Return all runs below a folder of results, by start; raises BadInput where there is no such folder."""
     found = collect([root])
-    return [StoredRun(*run) for run in zip(found.rows.to_pylist(), found.folders, strict=True)]
+    return [
+        StoredRun(*run)
+        for run in zip(found.rows.to_pylist(maps_as_pydicts="strict"), found.folders, strict=True)
+    ]
 
 
 def remove(root: Path, names: Sequence[str]) -> list[StoredRun]:

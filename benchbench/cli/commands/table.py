@@ -1,4 +1,4 @@
-"""`benchbench table [DIR ...]`: all runs as a table: text, CSV, Parquet."""
+"""`benchbench table [DIR ...]`: all runs of folders and bundles as a table: text, CSV, Parquet."""
 
 from __future__ import annotations
 
@@ -22,17 +22,19 @@ SHORT = (
 FLOWN = ("residual", "mismatch", "flights", "flights_succeeded", "flights_low_exact", "flight_error_before_m")
 """Those beside them where plans were flown."""
 READ_BY_PEOPLE = ("markdown", "latex")
+SHARED = ("machine", "certificate")
+"""Columns beside those of the record where runs come from several places: whose they are, and whose word the verdict is."""
 
 EXAMPLES = """examples
   benchbench table                                            short Markdown table of all runs below results
   benchbench table results other --output runs.parquet        every column
+  benchbench table laptop.zip server.zip                      bundles of several machines; their plans are certified anew
   benchbench table --query "select solver, avg(solve_cpu_s) as s from runs where certified group by solver"
 """
 
 
 def run(arguments: Sequence[str]) -> int:
     """Write the table to a file or stdout; raises BadInput."""
-    from benchbench.storage.collect import collect
     from benchbench.storage.describe import describe
     from benchbench.storage.files import write_bytes
     from benchbench.storage.formats import WRITERS
@@ -43,13 +45,12 @@ def run(arguments: Sequence[str]) -> int:
         sys.stdout.write(describe())
         return 0
     kind = _format(asked.format, asked.output)
-    found = collect(asked.folders)
-    for path, problem in found.problems.items():
-        complain("left out", f"{path}: {problem}")
-    rows = found.rows if asked.query is None else query(found.rows, asked.query)
+    rows, shared = _rows(asked.folders, asked.as_recorded)
+    rows = rows if asked.query is None else query(rows, asked.query)
     short = kind in READ_BY_PEOPLE and asked.query is None
     flown = short and rows["flights"].null_count < rows.num_rows
-    rows = _choose(rows, asked.columns or (",".join(SHORT + (FLOWN if flown else ())) if short else "all"))
+    usual = SHARED * shared + SHORT + FLOWN * flown
+    rows = _choose(rows, asked.columns or (",".join(usual) if short else "all"))
     data = WRITERS[kind](rows)
     if asked.output:
         write_bytes(asked.output, data)
@@ -60,16 +61,36 @@ def run(arguments: Sequence[str]) -> int:
     return 0
 
 
+def _rows(places: Sequence[Path], trust: bool) -> tuple[pa.Table, bool]:
+    """All runs, with the columns `SHARED` where they come from several places, as is told."""
+    from benchbench.cli.gathering import gathered
+    from benchbench.run.working import Working
+    from benchbench.storage.bundle import is_bundle
+
+    with Working("reading runs") as hear, gathered(places, hear, trust=trust) as found:
+        rows = found.rows
+    for path, problem in found.problems.items():
+        complain("left out", f"{path}: {problem}")
+    if found.said:
+        complain("bundles", found.said)
+    shared = len(places) > 1 or any(map(is_bundle, places))
+    for name, texts in zip(SHARED, (found.machines, found.whose), strict=True) if shared else ():
+        rows = rows.append_column(name, [texts])
+    return rows, shared
+
+
 def parser() -> Parser:
     """Return the arguments it takes."""
-    takes = Parser("table", "Write all runs below the folders as one table, a run per row.", EXAMPLES)
+    takes = Parser(
+        "table", "Write all runs below folders, or of bundles, as one table, a run per row.", EXAMPLES
+    )
     takes.add_argument(
         "folders",
         nargs="*",
         type=Path,
         default=[Path("results")],
         metavar="DIR",
-        help="folders with results (default: results)",
+        help="folders with results, or bundles of them (default: results)",
     )
     takes.add_argument(
         "--format",
@@ -83,6 +104,11 @@ def parser() -> Parser:
         help="columns to write, or all (default: all, a short choice for markdown and latex)",
     )
     takes.add_argument("--query", metavar="SQL", help="DuckDB SQL over the table 'runs'")
+    takes.add_argument(
+        "--as-recorded",
+        action="store_true",
+        help="take the word of bundles: certify none of their plans anew",
+    )
     takes.add_argument("--describe", action="store_true", help="print what the columns mean")
     return takes  # fmt: skip
 

@@ -70,37 +70,55 @@ class Report:
 
 def render(report: Report) -> str:
     """Return the page as one HTML document without any reference to the network."""
-    environment = Environment(
-        loader=PackageLoader("benchbench.report.html", "templates"), autoescape=True, undefined=StrictUndefined,
-        trim_blocks=True, lstrip_blocks=True,
-    )  # fmt: skip
-    environment.filters |= {"figure": _figure, "inline": _inline}
     runs = report.runs
     some, settings, left_out = room.compared(runs, report.settings)
     race_gates, raced = race_rows(races(some, settings))
     rows, unlisted = room.listed(runs, report.rows)
     means, means_note = tables.mean_rows(some, _time_limit(report.settings))
-    return environment.get_template("report.html").render(
-        report=report,
-        made=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
-        version=__version__,
-        headline=_headline(runs),
-        left_out=left_out,
-        unlisted=unlisted,
-        most_files=room.FILES,
-        sections=_sections(some),
-        success_rows=tables.success_rows(some),
-        race_gates=race_gates,
-        race_rows=raced,
-        means=means,
-        means_note=means_note,
-        table=tables.run_table(rows),
-        versions=tables.facts(runs, VERSIONS),
-        machine=tables.facts(runs, MACHINE),
-        differing=tables.differing(report.settings),
-        statuses=[status for status in Status if (runs.status == status).any()],
-        plotly=Markup(get_plotlyjs()),  # the library itself
+    return (
+        environment()
+        .get_template("report.html")
+        .render(
+            report=report,
+            **stamp(),
+            headline=_headline(runs),
+            left_out=left_out,
+            unlisted=unlisted,
+            most_files=room.FILES,
+            sections=_sections(some),
+            success_rows=tables.success_rows(some),
+            race_gates=race_gates,
+            race_rows=raced,
+            means=means,
+            means_note=means_note,
+            table=tables.run_table(rows),
+            versions=tables.facts(runs, VERSIONS),
+            machine=tables.facts(runs, MACHINE),
+            differing=tables.differing(report.settings),
+            statuses=[status for status in Status if (runs.status == status).any()],
+            plotly=plotly_library(),
+        )
     )
+
+
+def environment() -> Environment:
+    """Return what fills the templates beside this file."""
+    found = Environment(
+        loader=PackageLoader("benchbench.report.html", "templates"), autoescape=True, undefined=StrictUndefined,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    found.filters |= {"figure": _figure, "inline": _inline}
+    return found
+
+
+def stamp() -> dict[str, str]:
+    """When a page was made, and by which version."""
+    return {"made": datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"), "version": __version__}
+
+
+def plotly_library() -> Markup:
+    """The drawing library itself, to stand in a script element."""
+    return Markup(get_plotlyjs())
 
 
 def _sections(runs: pd.DataFrame) -> dict[str, list[Chart]]:

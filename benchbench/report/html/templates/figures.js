@@ -25,6 +25,7 @@
   };
 
   const open = async (plan) => {
+    if (!plan.querySelector(".view")) return; // a plan for which there was no room
     const view = plan.querySelector(".view"), limits = plan.querySelector(".limits");
     await Plotly.newPlot(limits, read(plan.querySelector(".limits-data")));
     await Plotly.newPlot(view, fitted(read(plan.querySelector(".view-data")), view.clientWidth));

@@ -1,0 +1,125 @@
+"""Runs of folders and bundles of one or several machines as one table, and whose word each verdict is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from benchbench.run.recertify import Anew, recertify
+from benchbench.storage.bundle import Bundle, is_bundle, machine_name, opened
+from benchbench.storage.collect import collect
+from benchbench.storage.schema import Record, Status
+from benchbench.storage.table import table_of
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+RECORDED = "as recorded there"
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """All runs; the sequences are as long as the table.
+
+    rows      what a bundle says of its runs is corrected where a plan was judged anew
+    folders   of each run, None where only its row is left; those of bundles are gone when the context ends
+    problems  files that could not be used
+    machines  what the machine of each run is called
+    whose     whose word the verdict on each run is
+    anew      what judging each plan again gave, None where it was not judged again
+    sources   the path that was given, of each run
+    """
+
+    rows: pa.Table
+    folders: tuple[Path | None, ...]
+    problems: dict[Path, str]
+    machines: tuple[str, ...]
+    whose: tuple[str, ...]
+    anew: tuple[Anew | None, ...]
+    sources: tuple[str, ...]
+
+    @property
+    def said(self) -> str:
+        """What was certified anew, in one line, "" where nothing was to be."""
+        judged = [one for one in self.anew if one is not None]
+        if not judged:
+            return ""
+        counts = [sum(one.certified is answer for one in judged) for answer in (True, False, None)]
+        words = ("certified anew here", "refused", "without a plan that can be judged here")
+        parts = ", ".join(f"{count} {word}" for count, word in zip(counts, words, strict=True) if count)
+        return f"{len(judged)} runs judged again: {parts}"
+
+
+@contextmanager
+def gathered(
+    places: Sequence[Path], hear: Callable[[str], None], everything: bool = False, trust: bool = False
+) -> Iterator[Gathered]:
+    """Open bundles, verified, read all runs, and judge again the plans of bundles.
+
+    everything: judge those of folders, too; trust: judge none again. Raises BadInput for a folder that is not there, or a
+    bundle that is none, cut off or changed.
+    """
+    with ExitStack() as stack:
+        bundles = {
+            place: stack.enter_context(opened(place, hear)) for place in dict.fromkeys(places) if is_bundle(place)
+        }  # fmt: skip
+        hear("reading runs")
+        found = collect([bundles[place].folder if place in bundles else place for place in places])
+        records = found.rows.to_pylist(maps_as_pydicts="strict") if bundles or everything else []
+        origins = [_origin(folder, places, bundles) for folder in found.folders]
+        anew: list[Anew | None] = []
+        for number, (folder, (_, bundle)) in enumerate(zip(found.folders, origins, strict=True)):
+            asked = (everything or bundle is not None) and not trust
+            if asked:
+                hear(f"judging plan {number + 1} of {len(origins)} again")
+            anew.append(recertify(folder) if asked else None)
+        rows = found.rows
+        if records:
+            rows = table_of(_corrected(record, one) for record, one in zip(records, anew, strict=True))
+        where = rows.select(["cpu", "cpu_count"]).to_pylist()
+        yield Gathered(
+            rows, found.folders, _told(found.problems, bundles),
+            tuple(b.manifest.machine if b else machine_name(w) for w, (_, b) in zip(where, origins, strict=True)),
+            tuple(_whose(one, bundle) for one, (_, bundle) in zip(anew, origins, strict=True)),
+            tuple(anew), tuple(str(place or "") for place, _ in origins),
+        )  # fmt: skip
+
+
+def _told(problems: dict[Path, str], bundles: dict[Path, Bundle]) -> dict[Path, str]:
+    """Files of bundles by where they are in the bundle, not where it was unpacked."""
+    told = {}
+    for path, problem in problems.items():
+        inside = (b / path.relative_to(o.folder) for b, o in bundles.items() if path.is_relative_to(o.folder))
+        told[next(inside, path)] = problem
+    return told
+
+
+def _origin(
+    folder: Path | None, places: Sequence[Path], bundles: dict[Path, Bundle]
+) -> tuple[Path | None, Bundle | None]:
+    for place in places if folder is not None else ():
+        bundle = bundles.get(place)
+        if folder and folder.resolve().is_relative_to((bundle.folder if bundle else place).resolve()):
+            return place, bundle
+    return None, None
+
+
+def _whose(anew: Anew | None, bundle: Bundle | None) -> str:
+    if anew is None:
+        return RECORDED if bundle else "own record"
+    return anew.said if anew.certified is not None else f"{RECORDED}; {anew.said}"
+
+
+def _corrected(record: Record, anew: Anew | None) -> dict[str, Any]:
+    """A record where a plan that is refused here is not certified, whatever is written there; a refusal there stays one."""
+    if anew is None or anew.certified is None:
+        return record
+    corrected = {**record, "travel_time_s": anew.travel_time}
+    if anew.certified or not record["certified"]:
+        return corrected
+    return {
+        **corrected, "certified": False, "status": Status.UNCERTIFIED, "reasons": [*anew.reasons], "gap_percent": None,
+    }  # fmt: skip

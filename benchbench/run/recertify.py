@@ -1,0 +1,106 @@
+"""A stored plan judged again here, whoever made it and whatever its record says: by our limits and the task it says it is for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import hydra
+from omegaconf import OmegaConf
+from pydantic import ValidationError
+
+from benchbench.certificate.certify import certify
+from benchbench.certificate.limits import Limits
+from benchbench.errors import BadInput, BenchBenchError
+from benchbench.ocp.reading import plain_yaml
+from benchbench.planning.task_hash import asked_hash
+from benchbench.run import trust
+from benchbench.run.choices import choices
+from benchbench.run.config import folder as conf
+from benchbench.run.failure import reason
+from benchbench.run.stored import scene_parts
+from benchbench.storage.configuration import configuration
+from benchbench.storage.files import PLAN
+from benchbench.storage.playback import read_mcap
+
+NO_PART = ("_target_", "stationarity", "stationarity_seconds")
+"""Fields of limits that certify nothing."""
+
+
+@dataclass(frozen=True)
+class Anew:
+    """What came out; without a certificate of ours `certified` is None and `said` why there is none.
+
+    said    in words, also which of its own limits were not used
+    asked   hash of scenario and vehicle, of what is flown
+    """
+
+    certified: bool | None
+    said: str
+    reasons: tuple[str, ...] = ()
+    travel_time: float | None = None
+    asked: str = ""
+
+
+def recertify(folder: Path | None) -> Anew:
+    """Judge the plan in a run's folder; raises nothing for whatever lies there."""
+    if folder is None or not (folder / PLAN).is_file():
+        return Anew(None, "there is no plan to certify")
+    try:
+        tree = configuration(folder)
+        if tree is None:
+            return Anew(None, "its configuration is missing, so nobody knows what was asked")
+        return _judged(folder, tree)
+    except (BenchBenchError, OSError, ValueError) as error:
+        return Anew(None, f"it cannot be certified here: {reason(error)}")
+    except Exception as error:  # noqa: BLE001  # of another version, or of somebody who means ill
+        return Anew(None, f"it cannot be certified here: {reason(error)}")
+
+
+def ours(tree: Any) -> tuple[str, Limits, tuple[str, ...]]:
+    """Return the limits that come with BenchBench and are nearest to some of a stored configuration, by name, and what differs.
+
+    They replace them: a plan is not judged by limits that come with it. Raises BadInput where there are none.
+    """
+    if not isinstance(tree, Mapping):
+        raise BadInput("certificate", "is missing", "task, race")
+    given = {str(name): value for name, value in tree.items()}
+    with suppress(BenchBenchError, ValidationError):  # what is left out there has a default
+        trust.check(given, "certificate")
+        given = Limits(**{name: value for name, value in given.items() if name != "_target_"}).model_dump()
+    differing = {name: _differing(given, limits.model_dump()) for name, limits in _shipped().items()}
+    nearest = min(differing, key=lambda name: len(differing[name]))
+    return nearest, _shipped()[nearest], differing[nearest]
+
+
+def _differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[str, ...]:
+    return tuple(sorted(key for key in {*one, *other} - {*NO_PART} if one.get(key) != other.get(key)))
+
+
+def _judged(folder: Path, tree: Mapping[str, Any]) -> Anew:
+    scenario, model = scene_parts(tree)
+    name, limits, differing = ours(tree.get("certificate"))
+    plan = read_mcap(folder / PLAN).plan
+    found = certify(plan, scenario, model, limits)
+    instead = f", instead of its own {', '.join(differing)}" if differing else ""
+    said = f"{'certified' if found.certified else 'refused'} anew by the limits of '{name}'{instead}"
+    trust.check(tree.get("dynamics"), "dynamics")
+    asked = asked_hash(OmegaConf.create({key: tree.get(key) for key in ("scenario", "vehicle")}))
+    return Anew(found.certified, said, found.reasons, plan.travel_time, asked)
+
+
+@cache
+def _shipped() -> dict[str, Limits]:
+    """Our limits of flights by name."""
+    found = {}
+    with hydra.initialize_config_dir(conf(), version_base="1.3"):
+        for name in choices("certificate"):
+            tree = plain_yaml(OmegaConf.to_yaml(hydra.compose(f"certificate/{name}").certificate))
+            made = hydra.utils.instantiate(tree, _convert_="all")
+            if isinstance(made, Limits):
+                found[name] = made
+    return found
