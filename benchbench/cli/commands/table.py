@@ -1,4 +1,4 @@
-"""`benchbench table [DIR ...]`: all runs of folders and bundles as a table: text, CSV, Parquet."""
+"""`benchbench table [DIR ...]`: runs, bundles of them too, as a table."""
 
 from __future__ import annotations
 
