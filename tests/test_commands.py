@@ -47,7 +47,9 @@ def test_no_help_waits_for_the_program_behind_it(tmp_path: Path) -> None:
 def test_a_misspelt_command_is_told_the_nearest(tmp_path: Path) -> None:
     assert_refused(told(tmp_path, "reprot"), "reprot", "perhaps 'report' is meant")
     assert_refused(told(tmp_path, "circle"), "circle", "perhaps '+scenario=circle' is meant")
-    assert_refused(told(tmp_path, "xyzzy"), "xyzzy", "there is no such command; allowed: best, bundle, certify")
+    assert_refused(
+        told(tmp_path, "xyzzy"), "xyzzy", "there is no such command; allowed: best, bundle, certify"
+    )
 
 
 TYPED = {
