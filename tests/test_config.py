@@ -121,10 +121,14 @@ def test_impossible_case_is_refused_by_name(override: str, field: str, says: str
     assert "\n" not in str(caught.value)
 
 
-def test_vehicle_that_cannot_fly_is_incompatible() -> None:
-    case = config.compose("+scenario=static", "vehicle=pendulum", "scenario.start=null", "+scenario.start={}")
-    with pytest.raises(IncompatibleCase, match="vehicle: 'pendulum' has no coordinate x"):
-        validate(case)
+def test_vehicle_that_cannot_do_it_is_told() -> None:
+    """A pendulum may make a handover, but not one that speaks of x, y and z; it cannot race."""
+    with pytest.raises(
+        BadInput, match=r"scenario\.workspace\.z: the vehicle has no such coordinate; allowed: angle"
+    ):
+        validate(config.compose("+scenario=static", "vehicle=pendulum"))
+    with pytest.raises(IncompatibleCase, match="vehicle: 'pendulum' cannot race"):
+        validate(config.compose("+scenario=race", "vehicle=pendulum"))
 
 
 @pytest.mark.parametrize("scenario", config.choices("scenario"))

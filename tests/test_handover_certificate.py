@@ -125,7 +125,7 @@ def test_the_numbers_of_the_record() -> None:
         "contact_gaps": {"position": pytest.approx(0.0064), "velocity": pytest.approx(0.008), "heading": 0.0},
         "replay_defect_position_m": 0.0, "replay_defect_angle_rad": 0.0, "replay_drift_position_m": 0.0,
         "replay_end_error_m": 0.0, "max_rate_ratio": 0.0, "stops": ("target 1.600 to 2.800 s",), "reward_s": 0.0,
-        "gate_worst_miss_m": None, "gates": None, "gates_passed": None,
+        "gate_worst_miss_m": None, "gates": None, "gates_passed": None, "costs": None,
         "touch_speed_mps": pytest.approx(0.008), "touch_before_s": pytest.approx(1.6), "passage_m": 0.0,
     }  # fmt: skip
     (distance, speed, _) = found.pop("contact_gaps_said")

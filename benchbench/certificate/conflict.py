@@ -11,11 +11,11 @@ from benchbench.arrays import Array
 from benchbench.certificate.contact_bound import ALL, Ask, Visit
 from benchbench.certificate.course import Course
 from benchbench.certificate.handover_bound import visit
-from benchbench.certificate.leg import AXES, yaw_rate
+from benchbench.certificate.leg import yaw_rate
 from benchbench.certificate.speed_bound import sequence_bound
 from benchbench.certificate.turning import ByRate
 from benchbench.ocp.handover import Handover
-from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.model import AXES, Model, Plant, travels
 from benchbench.ocp.motion import sample
 from benchbench.ocp.stop import Stop
 
@@ -55,7 +55,7 @@ def conflict(scenario: Handover, stop: Stop, model: Model, plant: Plant) -> Conf
 
 def conflicts(scenario: Handover, model: Model, plant: Plant) -> Iterator[tuple[Stop, Conflict]]:
     """Yield what contradicts itself at each stop that has to be made."""
-    for stop in scenario.itinerary.stops:
+    for stop in scenario.itinerary.stops if travels(model) else ():
         if not scenario.itinerary.may_skip(stop) and (found := conflict(scenario, stop, model, plant)):
             yield stop, found
 

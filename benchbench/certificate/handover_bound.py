@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchbench.certificate.contact_bound import Visit
-from benchbench.certificate.leg import AXES, Leg, legs, yaw_rate
-from benchbench.certificate.speed_bound import arm_reach, sequence_bound
+from benchbench.certificate.leg import Leg, legs, yaw_rate
+from benchbench.certificate.speed_bound import arm_reach, rate_bound, sequence_bound
 from benchbench.certificate.turning import ByRate, ByTorque, Turning
 from benchbench.ocp.handover import Handover
-from benchbench.ocp.model import AgileModel, Model, Plant
+from benchbench.ocp.model import AXES, AgileModel, Model, Plant, travels
 from benchbench.ocp.stop import Stop
 
 FINEST, LONGER = 1e-3, 3.0
@@ -30,6 +30,9 @@ class Bound:
 def handover_bound(scenario: Handover, model: Model, plant: Plant) -> Bound:
     """Return the largest bound of the sequence of stops for which it is least; all of them are proofs."""
     allowed = Bound(scenario.travel_time[0], "the least travel time allowed")
+    if not travels(model):
+        seconds, name = rate_bound(scenario, model)
+        return max(allowed, Bound(seconds, f"rate of '{name}'"), key=_seconds)
     return max(allowed, _quickest(scenario, model, plant), key=_seconds)
 
 

@@ -7,11 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.ocp.model import AgileModel, Model, output_box, space
+from benchbench.ocp.model import AXES, AgileModel, Model, output_box, space
 from benchbench.ocp.scenario import Scenario
-
-AXES = ("x", "y", "z")
-
 
 TURNS = ("yaw", "qz")
 """Coordinates of which one says whether a place to rest at fixes the heading."""

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.certificate.leg import AXES
-from benchbench.ocp.model import Model, Plant, space
+from benchbench.ocp.model import AXES, Model, Plant, space
 from benchbench.ocp.motion import sample
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.stop import Stop
@@ -47,6 +46,21 @@ def sequence_bound(scenario: Scenario, made: Sequence[Stop], model: Model, plant
         place, near = target, close
     rest = np.max(np.maximum(np.abs(place - end) - near, 0.0) / speed, axis=1)
     return max(direct, float(np.min(np.where(at, time + rest, np.inf))))
+
+
+def rate_bound(scenario: Scenario, model: Model) -> tuple[float, str]:
+    """Return the time in s that the slowest coordinate needs from start to end at its largest rate, and its name.
+
+    Of coordinates whose rates are velocities of the same name; a robot that stands somewhere has no better bound.
+    """
+    own, rates, found = model.configuration.names, model.velocity, (0.0, "")
+    way = scenario.end_point(model) - scenario.start_point(model)
+    fixed = np.equal(scenario.ends(model).lower_q, scenario.ends(model).upper_q)
+    for name, far, held in zip(own, way, fixed, strict=True):
+        if held and far and name in rates.names:
+            i = rates.index(name)
+            found = max(found, (float(far / (rates.upper[i] if far > 0 else rates.lower[i])), name))
+    return found
 
 
 def arm_reach(model: Model, plant: Plant, samples: int = 181) -> float:

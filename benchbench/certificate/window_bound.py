@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from benchbench.arrays import Array
-from benchbench.certificate.leg import AXES
 from benchbench.certificate.limits import Limits
-from benchbench.certificate.speed_bound import STEP, arm_reach
-from benchbench.ocp.model import Model
+from benchbench.certificate.speed_bound import STEP, arm_reach, rate_bound
+from benchbench.ocp.model import AXES, Model, travels
 from benchbench.ocp.motion import sample
 from benchbench.ocp.scenario import Scenario
 
@@ -25,6 +24,8 @@ def window_bounds(scenario: Scenario, model: Model, limits: Limits, first: Array
     of STEP, the earliest first; the target is known in cells of the same width.
     """
     (stop,) = scenario.itinerary.stops
+    if not travels(model):
+        return np.full(len(first), rate_bound(scenario, model)[0] / limits.rate_ratio)
     index = [model.configuration.index(name) for name in AXES]
     speed = model.velocity.upper[index] * limits.rate_ratio
     start, end = scenario.start_point(model)[index], scenario.end_point(model)[index]

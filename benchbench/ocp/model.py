@@ -26,6 +26,8 @@ import numpy as np
 from benchbench.arrays import Array
 from benchbench.ocp.space import Flat, Space
 
+AXES = ("x", "y", "z")
+"""Coordinates of the place of a vehicle that moves about; a robot that stands somewhere has none of this name."""
 Bounds = tuple[Array, Array]
 """Lower and upper limits, each (n, numbers), at n places of the nominal path."""
 
@@ -212,6 +214,11 @@ def box(
 ) -> Coordinates:
     """Build `Coordinates` from plain sequences."""
     return Coordinates(names, units, np.asarray(lower, float), np.asarray(upper, float))
+
+
+def travels(model: Model) -> bool:
+    """Whether the place of the vehicle is among its coordinates, x, y and z."""
+    return set(AXES) <= set(model.configuration.names)
 
 
 def space(model: Model) -> Space:

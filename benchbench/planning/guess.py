@@ -10,12 +10,13 @@ import numpy as np
 
 from benchbench.arrays import Array
 from benchbench.nlp.ledger import Ledger
-from benchbench.ocp.model import space
+from benchbench.ocp.model import AXES, space, travels
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Stop, spread
 from benchbench.planning.case import Case, Guess
 from benchbench.planning.disturb import disturbed
+from benchbench.planning.posture import touching
 
 ABOVE = 0.02
 """How far above the target the straight line passes, m: a guess exactly on it sits on a stationary point."""
@@ -75,13 +76,18 @@ def hovering(case: Case, time: Array, q: Array, progress: Array) -> Plan:
 
 
 def over(case: Case, stop: Stop, time: float) -> Array:
-    """Configuration (n_q,) with the tool a little above the target at `time`, the nose where it moves to."""
+    """Configuration (n_q,) with the tool a little above the target at `time`, the nose where it moves to.
+
+    Of a robot that stands somewhere: with the tool at the target, or as near as it comes.
+    """
     model = case.model
     start = case.scenario.start_point(model)
     (target,), (way,) = sample(stop.target, np.array([time]))
+    if not travels(model):
+        return touching(case, target, start)
     above = start.copy()
     names = model.configuration.names
-    xyz = [names.index(k) for k in ("x", "y", "z")]
+    xyz = [names.index(axis) for axis in AXES]
     hang = model.plant().tool(start, np.zeros(len(model.velocity.names)))[0] - start[xyz]
     above[xyz] = target - hang + [0.0, 0.0, ABOVE]
     if np.hypot(*way[:2]) > 0.0:

@@ -8,8 +8,10 @@ import casadi as ca
 import numpy as np
 
 from benchbench.arrays import Array
+from benchbench.errors import IncompatibleCase
 from benchbench.mpcc.problem import Block, Mpcc, block, rows
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.model import travels
 from benchbench.ocp.motion import motion_state
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Stop, spread
@@ -26,6 +28,9 @@ NEAR, SLOW = 0.1, 0.3
 def point_mass_plan(case: Case, ledger: Ledger) -> Plan:
     """One phase to each stop and one to the end; what a point mass does not have goes in a straight line."""
     scenario, model, itinerary = case.scenario, case.model, case.scenario.itinerary
+    if not travels(model):
+        problem = f"no point mass flies as '{case.names['vehicle']}' moves, which has no coordinates x, y, z"
+        raise IncompatibleCase("guess", problem, "simple, line, minimum_jerk, or phases from one of them")
     made = itinerary.listed
     start, end = scenario.start_point(model), scenario.end_point(model)
     guess = scenario.travel_time_guess * spread(len(made), itinerary.middle)

@@ -13,20 +13,20 @@ from benchbench import registry
 from benchbench.arrays import Array
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.conflict import conflicts
-from benchbench.certificate.leg import AXES
 from benchbench.certificate.speed_bound import arm_reach
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Setup
 from benchbench.ocp.contact import in_words
 from benchbench.ocp.handover import Handover
-from benchbench.ocp.model import LagrangianModel, RacingModel
+from benchbench.ocp.model import AXES, LagrangianModel, RacingModel, travels
 from benchbench.ocp.motion import sample
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.sizes import INTERVALS
 from benchbench.ocp.stop import Stop
 from benchbench.planning.case import AnyCase, Case
+from benchbench.planning.posture import nearest_touch
 
 
 def validate(case: AnyCase) -> None:
@@ -39,8 +39,8 @@ def validate(case: AnyCase) -> None:
 
 def _flight(case: Case) -> None:
     numbers(case)
-    _vehicle(case)
     suits(case.scenario, case)
+    _vehicle(case)
     _pose("start", case.scenario.start_point(case.model), case)
     _pose("end", case.scenario.end_point(case.model), case)
     _clear(case)
@@ -49,7 +49,15 @@ def _flight(case: Case) -> None:
 
 @singledispatch
 def suits(scenario: Scenario, case: Case) -> None:
-    """Raise IncompatibleCase for a vehicle that lacks what this kind of scenario needs; most need nothing more."""
+    """Raise IncompatibleCase for a vehicle that lacks what this kind of scenario needs; unless it says otherwise, a place of its own."""
+    if not travels(case.model):
+        problem = f"'{case.names['vehicle']}' has no coordinates x, y, z and cannot fly this scenario"
+        raise IncompatibleCase("vehicle", problem, "a vehicle with them")
+
+
+@suits.register
+def _(scenario: Handover, case: Case) -> None:
+    """Whatever has an end effector."""
 
 
 @singledispatch
@@ -115,11 +123,8 @@ def _schedule(case: AnyCase) -> None:
 
 
 def _vehicle(case: Case) -> None:
-    """It moves in space, can hover, and has the coordinates that the scenario speaks of."""
+    """It can rest, and has the coordinates that the scenario speaks of."""
     model, scenario = case.model, case.scenario
-    if missing := [axis for axis in AXES if axis not in model.configuration.names]:
-        problem = f"'{case.names['vehicle']}' has no coordinate {missing[0]} and cannot fly this scenario"
-        raise IncompatibleCase("vehicle", problem, "a vehicle with the coordinates x, y, z")
     if not case.dynamics.accepts(model):
         _unsuitable_dynamics(case)
     scenario.limits(model)
@@ -185,6 +190,9 @@ def _near(stop: Stop, case: Case) -> None:
     field = _field(scenario, stop)
     if not np.all(np.isfinite(target)):
         raise BadInput(field, "gives positions that are not finite", "finite positions in m")
+    if not travels(model):
+        _within_reach(field, stop, case, target)
+        return
     limits = scenario.limits(model)
     reach = arm_reach(model, model.plant()) + (stop.reach or 0.0)
     for axis, column in zip(AXES, target.T, strict=True):
@@ -193,6 +201,14 @@ def _near(stop: Stop, case: Case) -> None:
         if not np.any((column >= low) & (column <= high)):
             problem = f"is out of reach: its {axis} goes from {column.min():g} to {column.max():g} m"
             raise BadInput(field, problem, f"{axis} between {low:g} and {high:g} m at some time")
+
+
+def _within_reach(field: str, stop: Stop, case: Case, target: Array) -> None:
+    """A robot that stands somewhere comes near the target with its end effector at some time."""
+    nearest, _ = nearest_touch(case, target)
+    if stop.reach is not None and nearest > stop.reach:
+        problem = f"is out of reach: the end effector comes no nearer to it than {nearest:.3g} m"
+        raise BadInput(field, problem, f"a target that comes within {stop.reach:g} m of where it can be")
 
 
 def _field(scenario: Scenario, stop: Stop | None = None) -> str:

@@ -22,7 +22,7 @@ from benchbench.ocp.motion import sample
 from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.style import ARM, CONTACT, FRAME, INK, RC, TARGET, TOOL
-from benchbench.report.views import SIDE, TOP, Scene
+from benchbench.report.views import Scene
 from benchbench.storage.files import write_bytes
 
 MOVING = (".gif", ".mp4")
@@ -81,10 +81,9 @@ def _writer(kind: str, fps: float) -> AbstractMovieWriter:
 
 
 def _page(scene: Scene, title: str) -> tuple[Figure, dict[tuple[int, int], Axes]]:
-    planes = [SIDE, *([TOP] if scene.sideways else [])]
-    x, y, z = scene.extent
-    heights = [{SIDE: z, TOP: y}[plane] for plane in planes]
-    share = (WIDTH_IN - 1.0) / max(x, y, z)
+    planes = scene.planes
+    heights = [float(scene.extent[upward]) for _, upward in planes]
+    share = (WIDTH_IN - 1.0) / float(np.max(scene.extent))
     high = (
         np.ceil((share * sum(heights) + 0.75 * len(planes) + 0.4) * DPI / 2) * 2 / DPI
     )  # even, as video wants it

@@ -22,7 +22,7 @@ from benchbench.report.panel import Panel, span
 from benchbench.report.panels import panels
 from benchbench.report.png import Picture
 from benchbench.report.style import LIMIT, RC, TARGET
-from benchbench.report.views import SIDE, TOP, Scene, scene, skeleton
+from benchbench.report.views import VIEWS, Scene, scene, skeleton
 
 COLOURS = ("#0072B2", "#D55E00")
 """Blue and vermilion keep apart for red-green blind readers, and as greys."""
@@ -61,7 +61,7 @@ def overlay(one: Side, other: Side) -> Figure:
     with mpl.rc_context(RC):
         scenes, found = [side.scene() for side in (one, other)], [side.panels() for side in (one, other)]
         titles = list(dict.fromkeys([*found[0], *found[1]]))
-        planes = [SIDE, *([TOP] if any(scene.sideways for scene in scenes) else [])]
+        planes = [plane for plane in VIEWS if any(plane in scene.planes for scene in scenes)]
         rows = ceil(len(titles) / COLUMNS)
         heights = [0.55, 2.6 * len(planes), ROW_IN * rows]
         figure = Picture(figsize=(WIDTH_IN, sum(heights)), facecolor="white", layout="constrained")
@@ -98,7 +98,7 @@ def _header(figure: SubFigure, sides: Sequence[Side]) -> None:
 
 def _paths(axes: Axes, scenes: Sequence[Scene], plane: tuple[int, int]) -> None:
     h, v = plane
-    axes.set_title({SIDE: "Side view", TOP: "Top view"}[plane])
+    axes.set_title(VIEWS[plane])
     for shown, colour, style in zip(scenes, COLOURS, STYLES, strict=True):
         lines = [(TARGET, path) for path in shown.targets.values()]
         for mark, line in (*lines, *((mark, line) for _, mark, line in shown.standing)):

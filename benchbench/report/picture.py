@@ -27,7 +27,7 @@ from benchbench.report.panels import conditions
 from benchbench.report.png import Picture, write_png
 from benchbench.report.race import race_figure
 from benchbench.report.style import CONTACT, INK, LIMIT, RC, verdict_colour
-from benchbench.report.views import SIDE, TOP, Scene, draw_view, label_times, legend_handles, scene
+from benchbench.report.views import Scene, draw_view, label_times, legend_handles, scene
 from benchbench.storage.files import replacing
 
 WIDTH_IN = 14.0
@@ -172,18 +172,16 @@ def _views(figure: SubFigure, scene: Scene) -> None:
     axes = figure.subplots(
         len(heights), 1, squeeze=False, sharex=True, height_ratios=shares, gridspec_kw=place
     )[:, 0]
-    draw_view(axes[0], scene, SIDE, "Side view")
-    label_times(axes[0], scene, SIDE)
-    if scene.sideways:
-        draw_view(axes[1], scene, TOP, "Top view")
+    for cell, plane in zip(axes, scene.planes, strict=True):
+        draw_view(cell, scene, plane)
+    label_times(axes[0], scene, scene.planes[0])
 
 
 def _view_heights(scene: Scene) -> list[float]:
-    """Heights (in) that give the side view, and the top view if there is one, the scale of the width."""
+    """Heights (in) that give each view the scale of the width."""
     x, y, z = scene.extent
     scale = WIDTH_IN * VIEW_SHARE / max(x, 1.2 * y, 1.2 * z)
-    sizes = (z, y) if scene.sideways else (z,)
-    return [scale * size + VIEW_LABELS_IN for size in sizes]
+    return [scale * scene.extent[upward] + VIEW_LABELS_IN for _, upward in scene.planes]
 
 
 def _contact_column(figure: SubFigure, page: Page) -> None:

@@ -15,7 +15,7 @@ from benchbench.arrays import Array
 from benchbench.certificate.passing import as_passed
 from benchbench.certificate.replay import Replay
 from benchbench.ocp.contact import Contact, Standing
-from benchbench.ocp.model import Model
+from benchbench.ocp.model import Model, travels
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
@@ -33,6 +33,7 @@ FLAT_M = 0.02
 
 
 SIDE, TOP = (0, 2), (0, 1)
+VIEWS = {SIDE: "Side view", TOP: "Top view"}
 """The two world axes of each view, 0 for x, 1 for y, 2 for z. Numbers along x stand below the lower one."""
 LABEL_M = 0.17
 """About half the width (m) of a time label."""
@@ -89,10 +90,21 @@ class Scene:
         return bool(np.ptp(np.concatenate([self.tool, *self.targets.values()])[:, 1]) > FLAT_M)
 
     @property
+    def planes(self) -> tuple[tuple[int, int], ...]:
+        """Views that show a motion: the top one alone where nothing of the robot has a height, the side one where it has."""
+        level = np.ptp(np.concatenate([*self.bodies, *self.targets.values()])[:, 2]) < FLAT_M
+        return (TOP,) if level and self.sideways else (SIDE, TOP) if self.sideways else (SIDE,)
+
+    @property
+    def bodies(self) -> list[Array]:
+        """The end effector's path, and the robot wherever it is drawn."""
+        nodes = [0, *self.pose_nodes, *self.contact_nodes]
+        return [self.tool, *(line for k in nodes for line in skeleton(self, k).values())]
+
+    @property
     def extent(self) -> Array:
         """Size (3,) m of all that is drawn, with room for labels."""
-        drawn = [self.tool, *self.targets.values()]
-        drawn += [line for k in self.pose_nodes for line in skeleton(self, k).values()]
+        drawn = [*self.bodies, *self.targets.values()]
         return np.asarray(np.ptp(np.concatenate(drawn), axis=0) * (1.06, 1.15, 1.35) + 1e-3)
 
     @property
@@ -150,10 +162,10 @@ def _(scenario: Race, plan: Plan) -> Marks:
     return Marks("gates", outlines(as_passed(plan, scenario, 0.0).goals), coloured=True)
 
 
-def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> None:
+def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
     """Draw one projection; `plane` are the two world axes, 0 for x, 1 for y, 2 for z."""
     h, v = plane
-    axes.set_title(title, y=1.0)
+    axes.set_title(VIEWS[plane], y=1.0)
     for target in scene.targets.values():
         axes.plot(target[:, h], target[:, v], color=TARGET, linewidth=1.4, zorder=2)
     for _, colour, outline in scene.standing:
@@ -162,18 +174,19 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int], title: str) -> N
     if scene.flown is not None:
         # An artist, unlike a plot, leaves the axis limits alone: a replay that runs away must not set the scale.
         axes.add_artist(Line2D(scene.flown[:, h], scene.flown[:, v], color=INK, linewidth=0.7, zorder=3))
+    axes.update_datalim(np.concatenate(scene.bodies)[:, plane])
     _draw_poses(axes, scene, scene.pose_nodes, plane, strong=False)
     _draw_poses(axes, scene, scene.contact_poses, plane, strong=True)
     _draw_target(axes, scene, plane)
     axes.set_xlabel(f"{'xyz'[h]} [m]")
     axes.set_ylabel(f"{'xyz'[v]} [m]")
-    label_axes(axes, 0.08 if plane == SIDE and scene.sideways else TICKS_IN, NUMBERS_IN)
+    label_axes(axes, 0.08 if plane != scene.planes[-1] else TICKS_IN, NUMBERS_IN)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.03, 0.12)
 
 
 def label_times(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
-    """Write the time at start, contact and end above all poses drawn there."""
+    """Write the time at start, contact and end above all poses drawn there; of a robot that stays in its place, above its hand."""
     h, v = plane
     names = scene.plan.stop_names
     first_contacts = {
@@ -184,12 +197,14 @@ def label_times(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
     nodes = [*ends, *scene.pose_nodes, *scene.contact_nodes]
     drawn = np.concatenate([line for k in nodes for line in skeleton(scene, k).values()])
     for node in dict.fromkeys([*first_contacts, *ends]):
-        place = np.concatenate(list(skeleton(scene, node).values())).mean(axis=0)[h]
-        below = drawn[np.abs(drawn[:, h] - place) < LABEL_M]
+        place, top = scene.tool[node, [h, v]]
+        if travels(scene.model):
+            place = np.concatenate(list(skeleton(scene, node).values())).mean(axis=0)[h]
+            top = drawn[np.abs(drawn[:, h] - place) < LABEL_M][:, v].max()
         contact = node in first_contacts
         axes.annotate(
             f"{first_contacts.get(node, '')} {scene.plan.time[node]:.2f} s".strip(),
-            (place, below[:, v].max()),
+            (place, top),
             xytext=(0, 6), textcoords="offset points", ha="center", va="bottom",
             fontsize=9, fontweight="bold" if contact else "normal", color=INK, zorder=8,
         )  # fmt: skip

@@ -28,6 +28,7 @@ from foxglove.messages import (
 )
 
 from benchbench.arrays import Array
+from benchbench.ocp.contact import Standing
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 WORLD = "world"
 BLUE, GREEN = Color(r=0.0, g=0.35, b=0.70, a=1.0), Color(r=0.0, g=0.55, b=0.35, a=1.0)
 PINK, OLIVE = Color(r=0.80, g=0.40, b=0.65, a=1.0), Color(r=0.50, g=0.50, b=0.0, a=1.0)
+GREY = Color(r=0.33, g=0.33, b=0.33, a=1.0)
 LINE_M, SPHERE_M, CUBE_M = 0.006, 0.02, 0.04
 """Sizes of what is drawn, in m."""
 
@@ -58,7 +60,9 @@ def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Ite
         poses = [_pose(p, q) for p, q in zip(position, quaternion, strict=True)]
         channel = PosesInFrameChannel(f"/path/{name}", context=context)
         yield LogEntry(0, channel, PosesInFrame(timestamp=_stamp(0), frame_id=WORLD, poses=poses))
-    yield LogEntry(0, view, SceneUpdate(entities=[_path_lines(paths), *furniture(scenario)]))
+    yield LogEntry(
+        0, view, SceneUpdate(entities=[_path_lines(paths), *furniture(scenario), *_obstacles(scenario)])
+    )
     for k, log_time in enumerate(log_times):
         yield LogEntry(log_time, frames, FrameTransforms(transforms=_transforms(paths, k, log_time)))
         body = _body(model.plant().skeleton(plan.configuration[k]), log_time)
@@ -69,6 +73,18 @@ def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Ite
 def furniture(scenario: Scenario) -> list[SceneEntity]:
     """What stands in the room all the time, by kind of scenario; nothing, if it does not say."""
     return []
+
+
+def _obstacles(scenario: Scenario) -> list[SceneEntity]:
+    """Outlines of what stands in the way, parted where they have rows of NaN."""
+    lines = [
+        _line(part[~np.isnan(part[:, 0])], GREY)
+        for one in scenario.obstacles.values()
+        if isinstance(one, Standing)
+        for outline in one.outlines().values()
+        for part in np.split(outline, np.flatnonzero(np.isnan(outline[:, 0])))
+    ]
+    return [SceneEntity(timestamp=_stamp(0), frame_id=WORLD, id="obstacles", lines=lines)] if lines else []
 
 
 def _paths(plan: Plan, scenario: Scenario, model: Model) -> Paths:

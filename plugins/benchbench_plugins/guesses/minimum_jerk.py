@@ -13,6 +13,7 @@ from benchbench.arrays import Array
 from benchbench.errors import IncompatibleCase
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.handover import Handover
+from benchbench.ocp.model import AXES, travels
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
@@ -49,7 +50,8 @@ class MinimumJerk(Guess):
             for _ in range(20):
                 when = times[-1] + _duration(over(case, stop, when) - corners[-1], most)
             corners.append(over(case, stop, when))
-            speeds.append(np.concatenate([sample(stop.target, np.array([when]))[1][0], rest[3:]]))
+            moving = sample(stop.target, np.array([when]))[1][0]
+            speeds.append(np.concatenate([moving, rest[3:]]) if travels(case.model) else rest)
             times.append(when)
         times.append(times[-1] + _duration(end - corners[-1], most))
         return _through(case, np.array(times), [*corners, end], [*speeds, rest])
@@ -88,8 +90,9 @@ def _through(case: Case, times: Array, corners: list[Array], speeds: list[Array]
 def _rated(case: Case) -> tuple[list[int], list[int]]:
     """Coordinates whose rates are velocities of the vehicle, and which; those of a quaternion are none."""
     names, rates = case.model.configuration.names, case.model.velocity.names
-    rated = [i for i, name in enumerate(rates) if i < 3 or name in names]
-    return [i if i < 3 else names.index(rates[i]) for i in rated], rated
+    place = len(AXES) if travels(case.model) else 0
+    rated = [i for i, name in enumerate(rates) if i < place or name in names]
+    return [i if i < place else names.index(rates[i]) for i in rated], rated
 
 
 def _duration(way: Array, most: Array) -> float:
