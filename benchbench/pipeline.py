@@ -148,7 +148,7 @@ def _show_flights(done: Run, case: Case, folder: Path, config: str) -> dict[str,
         paths["flights_picture"], flights.reference, flights.flown, flights.airframe, flights.limits, title
     )
     one = next((one for one in flights.flown if not one.verdict.success), flights.flown[0])
-    write_flight(paths["flight"], flights.reference, one, case.scenario, case.model, {"config": config})
+    write_flight(paths["flight"], one.reference, one, case.scenario, case.model, {"config": config})
     return paths
 
 
@@ -168,7 +168,7 @@ def _fly(
         if watch:
             watch.stage(f"flight {number} of {count}", None)
 
-    reference, flown = campaign.fly(result.plan, certificate.flight, case.scenario, case.model, hear)
+    reference, flown = campaign.fly(result.plan, certificate.flight, case, hear)
     return flights(campaign, airframe_of(case.model), reference, flown)
 
 

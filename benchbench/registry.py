@@ -11,7 +11,7 @@ from typing import Any
 
 FAMILIES = (
     "models", "dynamics", "contacts", "motions", "relaxations", "solvers", "strategies", "guesses", "collections", "peers",
-    "scenarios", "task_families", "worlds", "controllers", "autopilots", "residuals", "payloads",
+    "scenarios", "task_families", "worlds", "controllers", "autopilots", "residuals", "payloads", "predictors",
 )  # fmt: skip
 
 

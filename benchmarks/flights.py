@@ -68,7 +68,7 @@ def rows(name: str, plan: Sequence[str], flights: int) -> Iterator[str]:
         found = campaign(*config.composed(*plan, *asked))
         assert found is not None and run.certificate.flight is not None
         found.check(case.scenario, case.model)
-        _, flown = found.fly(run.result.plan, run.certificate.flight, case.scenario, case.model)
+        _, flown = found.fly(run.result.plan, run.certificate.flight, case)
         yield line(" ".join(overrides), columns(found, flown))
 
 

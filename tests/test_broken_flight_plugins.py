@@ -1,4 +1,4 @@
-"""Deliberately broken worlds, controllers, autopilots, residuals and payloads: each must fail the named check of its suite."""
+"""Deliberately broken worlds, controllers, autopilots, residuals, payloads and predictors: each must fail the named check of its suite."""
 
 from __future__ import annotations
 
@@ -11,19 +11,23 @@ import numpy as np
 import pytest
 
 from benchbench.arrays import Array
-from benchbench.conformance.checks import autopilots, controllers, payloads, residuals, worlds
+from benchbench.conformance.checks import autopilots, controllers, payloads, predictors, residuals, worlds
 from benchbench.flight.autopilot import Autopilot
 from benchbench.flight.controller import Controller, Known
 from benchbench.flight.mismatch import Drawn
 from benchbench.flight.payload import Payload, Weighing
+from benchbench.flight.predictor import Predictor, Seen
 from benchbench.flight.reference import Reference
 from benchbench.flight.residual import Correction, Learned, Residual, Sample
 from benchbench.flight.rig import Rig
 from benchbench.flight.sensed import Command, Sensed, Triple
 from benchbench.flight.world import Actuators, Truth, World
 from benchbench.ocp.airframe import Airframe
+from benchbench.ocp.motion import Motion
 from benchbench_plugins.autopilots.px4 import Px4
 from benchbench_plugins.controllers.nmpc import Nmpc
+from benchbench_plugins.predictors.constant_velocity import ConstantVelocity
+from benchbench_plugins.predictors.known import Known as Told
 from benchbench_plugins.residuals.filtered import Filtered
 from benchbench_plugins.residuals.observer import Observer
 from benchbench_plugins.worlds.mujoco import Mujoco
@@ -325,3 +329,68 @@ class Remembers(Payload):
 def test_payload_that_remembers() -> None:
     with pytest.raises(AssertionError, match="a flight begins with"):
         payloads.check_fresh(Remembers())
+
+
+# ---------------------------------------------------------------- predictors
+
+
+@dataclass
+class SpoiltPredictor(Predictor):
+    """A line, of something else than what was seen."""
+
+    before: Callable[[Seen], Seen] = lambda seen: seen
+    window: float = 1.0
+
+    def predict(self, seen: Seen) -> Motion | None:
+        return ConstantVelocity(self.window).predict(self.before(seen))
+
+
+def own_clock(seen: Seen) -> Seen:
+    """Forgets that the last observation is older than the plan's beginning."""
+    return replace(seen, time=seen.time - seen.time[-1])
+
+
+def remembering() -> Callable[[Seen], Seen]:
+    kept: list[Seen] = []
+
+    def first(seen: Seen) -> Seen:
+        kept.append(seen)
+        return kept[-2] if len(kept) > 1 else seen
+
+    return first
+
+
+class Choosy(Predictor):
+    """Knows the target once it has seen enough of it."""
+
+    def predict(self, seen: Seen) -> Motion | None:
+        return None if len(seen.time) > 50 else ConstantVelocity().predict(seen)
+
+
+@pytest.mark.parametrize(
+    ("broken", "check", "says"),
+    [
+        (SpoiltPredictor(own_clock), predictors.check_line, "m off now"),
+        (SpoiltPredictor(window=0.1), predictors.check_noise, "the target is"),
+        (
+            SpoiltPredictor(lambda s: replace(s, heading=0 * s.heading)),
+            predictors.check_line,
+            "a second later",
+        ),
+        (
+            SpoiltPredictor(lambda s: replace(s, heading=0 * s.heading)),
+            predictors.check_nowhere_special,
+            "differently",
+        ),
+        (SpoiltPredictor(remembering()), predictors.check_fresh, "after others were seen"),
+        (Choosy(), predictors.check_one_kind, "predicts it from others"),
+    ],
+)
+def test_spoilt_predictor(broken: Predictor, check: Callable[[Predictor], None], says: str) -> None:
+    with pytest.raises(AssertionError, match=says):
+        check(broken)
+
+
+def test_who_knows_the_target_passes() -> None:
+    for check in predictors.CHECKS:
+        check(Told())

@@ -17,6 +17,7 @@ from benchbench.conformance.candidates import GROUPS, candidates
 from benchbench.flight.autopilot import Autopilot
 from benchbench.flight.controller import Controller
 from benchbench.flight.payload import Payload
+from benchbench.flight.predictor import Predictor
 from benchbench.flight.residual import Residual
 from benchbench.flight.world import World
 from benchbench.mpcc.ready import ReadyMade
@@ -38,7 +39,7 @@ BASES = {
     "solvers": Solver, "strategies": Strategy, "guesses": Guess, "peers": Peer,
     "collections": ReadyMade, "scenarios": Scenario, "task_families": TaskFamily,
     "worlds": World, "controllers": Controller, "autopilots": Autopilot, "residuals": Residual, "payloads": Payload,
-}  # fmt: skip
+    "predictors": Predictor,}  # fmt: skip
 
 
 def written(family: str) -> set[type]:

@@ -14,24 +14,31 @@ from benchbench import pipeline
 from benchbench.analysis.binomial import exact_bound
 from benchbench.certificate.replay import replay
 from benchbench.flight.campaign import Campaign
-from benchbench.flight.controller import Controller, Known
+from benchbench.flight.columns import columns, table
+from benchbench.flight.controller import PERIOD, Controller, Known
+from benchbench.flight.course import Control, Course, Steady
 from benchbench.flight.errand import errand
 from benchbench.flight.from_plan import reference_of
 from benchbench.flight.judge import judge
-from benchbench.flight.loop import Log
+from benchbench.flight.loop import Log, fly
 from benchbench.flight.mismatch import Mismatch
 from benchbench.flight.payload import Weighing
+from benchbench.flight.predictor import Predictor, Seen
 from benchbench.flight.reference import Reference, tip
 from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
+from benchbench.flight.sensors import Sensors
 from benchbench.flight.statics import hover
 from benchbench.ocp.airframe import FlownModel
+from benchbench.ocp.motion import Motion
 from benchbench.planning.case import Case
 from benchbench.run import config
 from benchbench.run.flying import campaign
+from benchbench_plugins.predictors.constant_turn import ConstantTurn
 
 pytest.importorskip("mujoco", reason="mujoco is not installed")
 pytest.importorskip("daqp", reason="daqp is not installed")
+SAMPLED = ("time", "state", "inputs", "acceleration", "target")
 GENTLE = ("+scenario=circle", "+scenario/contact=approach", "residual=observer")
 
 
@@ -108,6 +115,80 @@ def test_a_replay_that_starts_again_has_no_jump(flown: pipeline.Run) -> None:
     way = np.diff(made.state[:, :3], axis=0) / made.step
     between = (made.state[1:, 8:11] + made.state[:-1, 8:11]) / 2
     assert np.abs(way - between).max() < 0.02
+
+
+def test_a_controller_goes_on_with_another_reference(flown: pipeline.Run, reference: Reference) -> None:
+    """Prepared anew every tenth of a second for the same reference, it commands what it does without."""
+    _, flights = asked("mismatch=lab")
+    short = replace(reference, **{name: getattr(reference, name)[:1300] for name in SAMPLED})  # type: ignore[arg-type]
+    a, drawn = frame(flown).airframe, flights.mismatch.draw(2)
+
+    def begun(before: Control | None, correction: Correction) -> Control:
+        return flights.controller.prepare(Known(short, a, flights.rig, before), correction, _nothing)
+
+    class Again:
+        reference = short
+
+        def __init__(self) -> None:
+            self.correction = flights.residual.learn([])()
+            self.step = begun(None, self.correction)
+
+        def control(self, now: float) -> Control:
+            if round(now / PERIOD) % 5 == 0:
+                self.step = begun(self.step, self.correction)
+            return self.step
+
+    def fly_along(course: Course) -> Log:
+        world = flights.world.prepare(short, a, flights.rig, drawn)
+        return fly(
+            course, world, flights.autopilot.prepare(Known(short, a, flights.rig)), Sensors(drawn, 9.0)
+        )
+
+    one = fly_along(Steady(short, begun(None, flights.residual.learn([])())))
+    np.testing.assert_allclose(fly_along(Again()).state, one.state, atol=1e-9)
+
+
+def _nothing(sensed: Sensed, command: Command | None, along: float) -> float:
+    return 0.0
+
+
+def test_a_predicted_target_is_met(flown: pipeline.Run, reference: Reference) -> None:
+    """Seen with noise, planned anew ten times a second from where the plan before is: without a jump, and told in the record."""
+    case, flights = asked("mismatch=lab", "predictor=constant_turn", "flights=1")
+    flights.check(case.scenario, case.model)
+    assert flown.certificate.flight is not None
+    _, found = flights.fly(flown.result.plan, flown.certificate.flight, case)
+    one = found[0]
+    assert one.verdict.success and len(one.replan_cpu) > 10 and one.refused == 0
+    r = one.reference
+    np.testing.assert_array_equal(r.state[: r.row(0.0), :3], np.tile(reference.state[0, :3], (r.row(0.0), 1)))
+    way, between = np.diff(r.state[:, :3], axis=0) / r.step, (r.state[1:, 8:11] + r.state[:-1, 8:11]) / 2
+    assert np.abs(way - between).max() < 1e-3, "places and speeds belong together, also where a plan begins"
+    turned = np.abs(np.sum(r.state[1:, 3:7] * r.state[:-1, 3:7], axis=1) - 1)
+    assert turned.max() < 1e-3, "no quaternion changes its sign"
+    told = columns(flights, found)
+    assert (told["predictor"], told["replans"], told["replans_refused"]) == (
+        "constant_turn",
+        len(one.replan_cpu),
+        0,
+    )
+    assert told["replan_cpu_p50_s"] > 0
+    row = next(csv.DictReader(table(found, "constant_turn").splitlines()))
+    assert (row["predictor"], row["replans"]) == ("constant_turn", str(len(one.replan_cpu)))
+
+
+def test_a_predictor_that_raises_costs_one_flight(flown: pipeline.Run) -> None:
+    class Raises(Predictor):
+        def predict(self, seen: Seen) -> Motion:
+            if seen.time[0] < -1.99 - 1e-9 and len(seen.time) > 130:
+                raise RuntimeError("lost it")
+            return ConstantTurn().predict(seen)
+
+    case, flights = asked("mismatch=lab", "flights=1")
+    broken = replace(flights, predictor=Raises())
+    assert flown.certificate.flight is not None
+    _, found = broken.fly(flown.result.plan, flown.certificate.flight, case)
+    assert found[0].verdict.reasons == ("controller",) and "RuntimeError: lost it" in found[0].verdict.detail
 
 
 def test_two_worlds_agree(flown: pipeline.Run, reference: Reference) -> None:

@@ -5,9 +5,16 @@ from __future__ import annotations
 import pytest
 
 from benchbench.errors import BadInput, BenchBenchError
+from benchbench.flight.foretold import foretold
+from benchbench.flight.predictor import Predictor, Seen
+from benchbench.ocp.motion import Motion
 from benchbench.run import config
 from benchbench.run.execution import config_hash
 from benchbench.run.flying import DEFAULTS, campaign, flying
+from benchbench_plugins.motions import Fixed, Linear
+from benchbench_plugins.predictors.constant_turn import ConstantTurn
+from benchbench_plugins.predictors.constant_velocity import ConstantVelocity
+from benchbench_plugins.predictors.known import Known as Told
 
 
 def asked(*overrides: str) -> object:
@@ -78,3 +85,25 @@ def test_what_cannot_be_flown_is_told(overrides: tuple[str, ...], field: str) ->
     with pytest.raises(BenchBenchError) as told:
         found.check(getattr(case, "scenario", None), getattr(case, "model", None))
     assert told.value.field == field  # type: ignore[attr-defined]
+
+
+class Off(Predictor):
+    """Predicts a target that stands beside where it was seen."""
+
+    def predict(self, seen: Seen) -> Motion:
+        return Fixed(tuple(seen.position[-1] + 0.1))
+
+
+def test_a_predictor_has_to_give_the_targets_kind_of_motion() -> None:
+    """A level turn follows no target that climbs, whatever the speed; each is told before anything is planned."""
+    level, climbing = Linear((0.9, 0.0, 0.4), (0.1, 0.0, 0.0)), Linear((0.9, 0.0, 0.4), (0.1, 0.0, 0.1))
+    assert foretold(Told(), "known", climbing) is None
+    assert foretold(ConstantTurn(), "constant_turn", level) is not None
+    assert foretold(ConstantVelocity(), "constant_velocity", climbing) is not None
+    for predictor, target in ((ConstantTurn(), climbing), (Off(), level)):
+        with pytest.raises(BadInput, match="cannot give this target's kind of motion") as told:
+            foretold(predictor, "it", target)
+        assert told.value.field == "predictor"
+    fast = ("scenario.target.rate_radps=-3", "predictor=constant_velocity")
+    with pytest.raises(BadInput, match="'constant_velocity' cannot give"):
+        asked(*fast)

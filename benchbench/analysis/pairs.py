@@ -11,7 +11,7 @@ TASK = ("scenario", "seed", "task_hash")
 """Columns that tell tasks apart: where the sides share some of them, those are compared."""
 CHOICES = (
     *TASK, "vehicle", "dynamics", "intervals", "kappa_init", "relaxation", "solver", "strategy", "guess",
-    "world", "controller", "autopilot", "residual", "payload", "mismatch", "rig",
+    "world", "controller", "autopilot", "residual", "payload", "predictor", "mismatch", "rig",
 )  # fmt: skip
 """Columns that say what was asked."""
 

@@ -10,23 +10,29 @@ from benchbench.certificate.replay import Replay
 from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.flight.autopilot import Autopilot
 from benchbench.flight.controller import Controller, Known
+from benchbench.flight.course import Control, Course, Steady
 from benchbench.flight.errand import errand
+from benchbench.flight.foretold import foretold
 from benchbench.flight.from_plan import reference_of
 from benchbench.flight.judge import Verdict, judge
 from benchbench.flight.limits import FlightLimits
 from benchbench.flight.loop import Log, fly
 from benchbench.flight.mismatch import Drawn, Mismatch
 from benchbench.flight.payload import Payload
+from benchbench.flight.predictor import Predictor
+from benchbench.flight.pursuit import Pursuit, hovering
 from benchbench.flight.reference import Reference
+from benchbench.flight.replanning import Replanning
 from benchbench.flight.residual import Correction, Recorder, Residual
 from benchbench.flight.rig import Rig
 from benchbench.flight.sensors import Sensors
+from benchbench.flight.sight import Sight
 from benchbench.flight.training import training_reference
 from benchbench.flight.world import World
 from benchbench.ocp.airframe import Airframe, FlownModel, airframe_of
-from benchbench.ocp.model import Model
+from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import Plan
-from benchbench.ocp.scenario import Scenario
+from benchbench.planning.case import Case
 
 PER_SEED = 1_000_000
 """Flights that one seed of a run has; another seed has others."""
@@ -38,13 +44,28 @@ TRAINING = 1
 
 @dataclass(frozen=True)
 class Flown:
-    """One flight: which, in what world, what happened, and the judgement."""
+    """One flight: which, in what world, what happened, and the judgement.
+
+    reference     what it followed from its beginning to its end
+    learning_cpu  s of training flights; replan_cpu: s of each plan made in the loop, refused: how many of them were none
+    """
 
     number: int
     mismatch: Drawn
     log: Log
     verdict: Verdict
+    reference: Reference
     learning_cpu: float = 0.0
+    replan_cpu: tuple[float, ...] = ()
+    refused: int = 0
+
+
+@dataclass(frozen=True)
+class Chase:
+    """A target that has to be predicted, its true motion, and what plans towards it."""
+
+    replanning: Replanning
+    target: Motion
 
 
 @dataclass(frozen=True)
@@ -58,6 +79,7 @@ class Campaign:
     autopilot: Autopilot
     residual: Residual
     payload: Payload
+    predictor: Predictor
     mismatch: Mismatch
     rig: Rig
     limits: FlightLimits
@@ -75,20 +97,26 @@ class Campaign:
         if task.reach < task.farthest:
             problem = f"{task.reach:g} m is less than the plan's contact may be away"
             raise BadInput("scenario.magnet_reach", problem, f"at least {task.farthest:g} m")
+        foretold(self.predictor, self.names["predictor"], task.target)
 
     def fly(
-        self, plan: Plan, replay: Replay, scenario: Scenario, model: Model, hear: Callable[[int, int], None] | None = None
-    ) -> tuple[Reference, list[Flown]]:  # fmt: skip
+        self, plan: Plan, replay: Replay, case: Case, hear: Callable[[int, int], None] | None = None
+    ) -> tuple[Reference, list[Flown]]:
         """Fly a certified plan `count` times, with a target until it is decided whether that proves it.
 
         hear: told of each flight that begins, and of how many there are.
         """
-        reference, airframe = reference_of(plan, replay, model, errand(scenario)), airframe_of(model)
+        model, task = case.model, errand(case.scenario)
+        reference, airframe = reference_of(plan, replay, model, task), airframe_of(model)
+        predicted = foretold(self.predictor, self.names["predictor"], task.target)
+        replanning = None if predicted is None else Replanning(case, predicted)
         flown = []
         for number in range(self.count):
             if hear:
                 hear(number + 1, self.count)
-            flown.append(self.once(reference, airframe, number))
+            flown.append(
+                self.once(reference, airframe, number, replanning and Chase(replanning, task.target))
+            )
             if self.target is not None and self._decided(flown, self.target):
                 break
         return reference, flown
@@ -98,27 +126,54 @@ class Campaign:
         successes = sum(one.verdict.success for one in flown)
         return len(flown) >= FEWEST and decided(successes, len(flown), self.count, target)
 
-    def once(self, reference: Reference, airframe: Airframe, number: int) -> Flown:
-        """Fly a reference once, in the world of this number."""
+    def once(
+        self, reference: Reference, airframe: Airframe, number: int, chase: Chase | None = None
+    ) -> Flown:
+        """Fly a reference once, in the world of this number; chase: or a target that has to be predicted."""
         mismatch = self.mismatch.draw(self.seed * PER_SEED + number)
-        known = Known(reference, airframe, self.rig)
         samples, spent = [], 0.0
         if self.residual.training > 0:
             recorder = Recorder()
             wander = training_reference(reference, airframe, self.residual.training, mismatch.seed)
-            spent = self._run(Known(wander, airframe, self.rig), mismatch, recorder, TRAINING).cpu
+            spent = self._run(self._steady(wander, airframe, recorder), airframe, mismatch, TRAINING).cpu
             samples = [recorder.samples]
-        log = self._run(known, mismatch, self.residual.learn(samples)(), 0)
-        return Flown(number, mismatch, log, judge(log, reference, airframe, self.limits), spent)
+        correction = self.residual.learn(samples)()
+        if chase is None:
+            steady = self._steady(reference, airframe, correction)
+            log = self._run(steady, airframe, mismatch, 0)
+            return Flown(
+                number, mismatch, log, judge(log, reference, airframe, self.limits), reference, spent
+            )
+        pursuit = self._pursuit(reference, airframe, mismatch, correction, chase)
+        log = self._run(pursuit, airframe, mismatch, 0)
+        verdict = judge(log, pursuit.reference, airframe, self.limits)
+        return Flown(
+            number, mismatch, log, verdict, pursuit.reference, spent, tuple(pursuit.costs), pursuit.refused
+        )
 
-    def _run(self, known: Known, mismatch: Drawn, correction: Correction, salt: int) -> Log:
-        reference, frame = known.reference, known.airframe
-        weighing = self.payload.prepare(self.rig, frame.total_mass)
+    def _steady(self, reference: Reference, airframe: Airframe, correction: Correction) -> Steady:
+        known = Known(reference, airframe, self.rig)
+        weighing = self.payload.prepare(self.rig, airframe.total_mass)
+        return Steady(reference, self.controller.prepare(known, correction, weighing))
+
+    def _pursuit(
+        self, reference: Reference, airframe: Airframe, mismatch: Drawn, correction: Correction, chase: Chase
+    ) -> Pursuit:
+        waiting = hovering(reference, chase.target, mismatch.target_late, airframe)
+        weighing = self.payload.prepare(self.rig, airframe.total_mass)
+        sight = Sight(chase.target, mismatch, float(waiting.time[0]), float(waiting.time[-1]))
+
+        def prepare(now: Reference, before: Control | None) -> Control:
+            return self.controller.prepare(Known(now, airframe, self.rig, before), correction, weighing)
+
+        return Pursuit(chase.replanning, self.predictor, sight, waiting, airframe, prepare)
+
+    def _run(self, course: Course, airframe: Airframe, mismatch: Drawn, salt: int) -> Log:
+        reference = course.reference
         return fly(
-            reference,
-            self.world.prepare(reference, frame, self.rig, mismatch),
-            self.controller.prepare(known, correction, weighing),
-            self.autopilot.prepare(known),
+            course,
+            self.world.prepare(reference, airframe, self.rig, mismatch),
+            self.autopilot.prepare(Known(reference, airframe, self.rig)),
             Sensors(mismatch, reference.window[0], salt),
         )
 

@@ -21,7 +21,7 @@ from benchbench.flight.reference import Reference
 from benchbench.flight.world import STEP
 from benchbench.ocp.airframe import Airframe
 
-NAMES = ("world", "controller", "autopilot", "residual", "payload", "mismatch", "rig")
+NAMES = ("world", "controller", "autopilot", "residual", "payload", "predictor", "mismatch", "rig")
 """Choices of a campaign that the record names."""
 
 
@@ -40,7 +40,12 @@ class Flights:
 def flights(campaign: Campaign, airframe: Airframe, reference: Reference, flown: Sequence[Flown]) -> Flights:
     """Return flights with what is said of them."""
     return Flights(
-        airframe, campaign.limits, reference, flown, columns(campaign, flown), table(reference, flown)
+        airframe,
+        campaign.limits,
+        reference,
+        flown,
+        columns(campaign, flown),
+        table(flown, campaign.names["predictor"]),
     )
 
 
@@ -62,12 +67,24 @@ def columns(campaign: Campaign, flown: Sequence[Flown]) -> dict[str, Any]:
         "flight_touch_p50_mps": _share(speeds, 50), "flight_touch_p95_mps": _share(speeds, 95),
         "controller_cpu_p50_s": _share(costs, 50), "controller_cpu_p99_s": _share(costs, 99),
         "real_time_factor": _middle([_factor(one.log) for one in flown]),
+        **_replanned(flown),
     }  # fmt: skip
 
 
-def table(reference: Reference, flown: Sequence[Flown]) -> str:
+def _replanned(flown: Sequence[Flown]) -> dict[str, Any]:
+    """Nothing where no plan was made in a flight."""
+    costs = np.concatenate([np.zeros(0), *(one.replan_cpu for one in flown)])
+    if not len(costs):
+        return {}
+    return {
+        "replans": len(costs), "replans_refused": sum(one.refused for one in flown),
+        "replan_cpu_p50_s": _share(costs, 50), "replan_cpu_p99_s": _share(costs, 99),
+    }  # fmt: skip
+
+
+def table(flown: Sequence[Flown], predictor: str) -> str:
     """Return a CSV file of one row per flight; what is no number is empty."""
-    rows = [_row(reference, one) for one in flown]
+    rows = [_row(one, predictor) for one in flown]
     text = io.StringIO()
     writer = csv.DictWriter(text, list(rows[0]) if rows else ["flight"], lineterminator="\n")
     writer.writeheader()
@@ -75,19 +92,28 @@ def table(reference: Reference, flown: Sequence[Flown]) -> str:
     return text.getvalue()
 
 
-def _row(reference: Reference, one: Flown) -> dict[str, Any]:
-    verdict, cost = one.verdict, one.log.controller_cpu
+def _row(one: Flown, predictor: str) -> dict[str, Any]:
+    verdict, cost, reference = one.verdict, one.log.controller_cpu, one.reference
+    plans = np.array(one.replan_cpu)
     numbers = {
         "attached_s": verdict.attached_s, "touch_speed_mps": verdict.touch_speed, "touch_heading_rad": verdict.touch_heading,
         "error_before_m": verdict.error_before, "error_after_m": verdict.error_after, "error_tip_m": verdict.error_tip,
         "controller_cpu_p50_s": _share(cost, 50), "controller_cpu_p99_s": _share(cost, 99),
         "real_time_factor": _factor(one.log), "learning_cpu_s": one.learning_cpu,
         "flown_s": len(one.log.time) * STEP, "window_start_s": reference.window[0], "window_end_s": reference.window[1],
+        "replan_cpu_p50_s": _share(plans, 50), "replan_cpu_max_s": _share(plans, 100),
     }  # fmt: skip
     drawn = {
         f"mismatch.{name}": _text(value) for name, value in one.mismatch if name not in ("seed", "rigid")
     }
-    told = {"flight": one.number, "mismatch_seed": one.mismatch.seed, "success": verdict.success}
+    told = {
+        "flight": one.number,
+        "mismatch_seed": one.mismatch.seed,
+        "success": verdict.success,
+        "predictor": predictor,
+        "replans": len(plans),
+        "replans_refused": one.refused,
+    }
     return {
         **told,
         "reasons": "; ".join(verdict.reasons),

@@ -19,11 +19,15 @@ PERIOD = 0.02
 
 @dataclass(frozen=True)
 class Known:
-    """What a controller knows of its vehicle and task; nothing of what is different in the world."""
+    """What a controller knows of its vehicle and task; nothing of what is different in the world.
+
+    before  the step of the same controller that followed another reference until now, None at first: what it remembers goes on
+    """
 
     reference: Reference
     airframe: Airframe
     rig: Rig
+    before: Callable[[Sensed, float], Command] | None = None
 
 
 class Controller(ABC):

@@ -66,7 +66,7 @@ def _hovering(
 ) -> Reference:
     """Put the time before and after the plan at its ends."""
     before, after = round(LEAD / STEP), round(TAIL / STEP)
-    ends = (_at_rest(state[0]), _at_rest(state[-1]))
+    ends = (at_rest(state[0]), at_rest(state[-1]))
     held = [hover(airframe, float(end[7])) for end in ends]
     time: Array = STEP * np.arange(-before, len(state) + after, dtype=float)
     first, last = plan.contact() or (0, 0)
@@ -81,8 +81,8 @@ def _hovering(
     )  # fmt: skip
 
 
-def _at_rest(state: Array) -> Array:
-    """The same place and heading, level and at rest."""
+def at_rest(state: Array) -> Array:
+    """Return the same place and heading (15,), level and at rest."""
     nose = matrices(state[None, 3:7])[0, :, 0]
     half = np.arctan2(nose[1], nose[0]) / 2
     turn = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from benchbench.arrays import Array
 from benchbench.flight.controller import PERIOD
-from benchbench.flight.reference import Reference
+from benchbench.flight.course import Course
 from benchbench.flight.sensed import Command, Sensed, Triple
 from benchbench.flight.sensors import Sensors
 from benchbench.flight.world import STEP, Actuators, Truth
@@ -51,27 +51,26 @@ class Log:
 
 
 def fly(
-    reference: Reference,
+    course: Course,
     world: Callable[[Actuators], Truth],
-    control: Callable[[Sensed, float], Command],
     autopilot: Callable[[Command, float, Triple], Array],
     sensors: Sensors,
 ) -> Log:
-    """Fly a reference from its first sample to its last.
+    """Fly a course from its reference's first sample to its last.
 
     A controller that raises, or commands what is no number, ends the flight; the log says so.
     """
     began = time.process_time()
     truths, motors, commands, told, costs = [], [], [], [], []
-    truth = Truth(float(reference.time[0]), reference.state[0].copy(), np.zeros(6), False, "")
+    begin = course.reference
+    truth = Truth(float(begin.time[0]), begin.state[0].copy(), np.zeros(6), False, "")
     sensors.hear(truth)
-    broken, command = "", None
-    for count in range(len(reference.time) - 1):
+    broken, command, count = "", None, 0
+    while count < len(course.reference.time) - 1:
         if count % EVERY == 0:
-            before = time.thread_time()
             sensed = sensors.sensed()
-            command, broken = _commanded(control, sensed, truth.time)
-            costs.append(time.thread_time() - before)
+            command, broken, cost = _commanded(course, sensed, truth.time)
+            costs.append(cost)
             if command is None:
                 break
             commands.append(command)
@@ -83,24 +82,28 @@ def fly(
         sensors.hear(truth)
         truths.append(truth)
         motors.append(forces)
-        if count % EVERY == 0 and not _near(truth, reference.state[count + 1]):
+        if count % EVERY == 0 and not _near(truth, course.reference.state[count + 1]):
             broken = "lost"
             break
+        count += 1
     cpu = time.process_time() - began
     return _log(truths, motors, commands, told, costs, cpu, broken)
 
 
-def _commanded(
-    control: Callable[[Sensed, float], Command], sensed: Sensed, now: float
-) -> tuple[Command | None, str]:
+def _commanded(course: Course, sensed: Sensed, now: float) -> tuple[Command | None, str, float]:
+    """The command, or why there is none, and the CPU s that it took."""
+    who, before = "course", time.thread_time()
     try:
+        control = course.control(now)
+        who, before = "controller", time.thread_time()
         command = control(sensed, now)
     except Exception as error:  # noqa: BLE001  # a controller may be anybody's
-        return None, f"the controller raised {type(error).__name__}: {error}"[:200]
+        return None, f"the {who} raised {type(error).__name__}: {error}"[:200], time.thread_time() - before
+    cost = time.thread_time() - before
     numbers = [command.thrust, *command.rates, *command.spin, *command.torque, *command.arm]
     if not np.isfinite(numbers).all():
-        return None, "the controller commanded what is no number"
-    return command, ""
+        return None, "the controller commanded what is no number", cost
+    return command, "", cost
 
 
 def _near(truth: Truth, wanted: Array) -> bool:

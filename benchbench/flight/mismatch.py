@@ -30,6 +30,7 @@ class Mismatch(BaseModel):
     ground_effect       share of thrust gained near the ground: k (0.12 m / (4 z))^2, k is drawn
     servo_bias          rad, the arm's sensor tells so much too little
     target_late         s, the target is where it should have been so long ago
+    target_noise, target_heading_noise    standard deviations of what a predictor sees of the target, m and rad
     delay               s, age of what the controller is told
     position_noise, velocity_noise, attitude_noise, rate_noise, arm_noise    standard deviations, m, m/s, rad, rad/s, rad
     blind               s without any news of the state, from `blind_before` the contact on
@@ -53,6 +54,8 @@ class Mismatch(BaseModel):
     ground_effect: AtLeastZero = NONE
     servo_bias: Between = NONE
     target_late: AtLeastZero = NONE
+    target_noise: AtLeastZero = NONE
+    target_heading_noise: AtLeastZero = NONE
     delay: AtLeastZero = NONE
     position_noise: AtLeastZero = NONE
     velocity_noise: AtLeastZero = NONE
@@ -102,6 +105,8 @@ class Drawn(BaseModel):
     ground_effect: float
     servo_bias: float
     target_late: float
+    target_noise: float
+    target_heading_noise: float
     delay: float
     position_noise: float
     velocity_noise: float

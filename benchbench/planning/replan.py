@@ -18,7 +18,7 @@ from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation.coupling import retargeted
 from benchbench.formulation.handover import SHORTEST, phases
 from benchbench.formulation.problem import Problem
-from benchbench.mpcc.problem import Variable
+from benchbench.mpcc.problem import Block, Variable
 from benchbench.nlp.homotopy import Solved
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.solver import Outcome, Setup
@@ -31,6 +31,11 @@ from benchbench.planning.guess import straight_line
 from benchbench.planning.result import Result
 from benchbench.planning.shift import Shift
 from benchbench.planning.strategy import judge, pose
+
+EASED = 10
+"""Nodes over which a path condition that the start breaks has to be kept again."""
+EASE = 1.2
+"""Times what the start breaks it by, so that its own node is no constraint that rounding decides."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +68,9 @@ class Replanner:
     solvers that build each problem anew.
     """
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, rescue: bool = True) -> None:
+        """Build the program; rescue: whether a plan that is not found from the last one is looked for from the straight line."""
+        self.rescue = rescue
         contacts = tuple(chased(case.scenario).contacts)
         began, ledger = time.perf_counter(), Ledger(case.time_limit)
         problem = phases(case, straight_line(case))
@@ -95,8 +102,9 @@ class Replanner:
             problem.mpcc, old.solved.outcome.point
         )
         start = replace(start, x=np.clip(start.x, problem.mpcc.lower, problem.mpcc.upper))
+        problem = eased(problem, case, start.x)
         outcome = self._solve(problem.mpcc, start)
-        cold = outcome.claim != "solved"
+        cold = self.rescue and outcome.claim != "solved"
         result = self._cold(case) if cold else _result(problem, outcome)
         self.last = Replan(case, result, time.perf_counter() - began, cold)
         return self.last
@@ -136,6 +144,27 @@ def renumbered(problem: Problem, case: Case, target: Motion) -> Problem:
     contacts = chased(scenario).contacts
     blocks = tuple(retargeted(b, target) if b.name in contacts else b for b in problem.mpcc.constraints)
     return replace(problem, mpcc=replace(problem.mpcc, variables=variables, constraints=blocks))
+
+
+def eased(problem: Problem, case: Case, x: Array) -> Problem:
+    """The same with path conditions that the start may break, if it does, by what it breaks them, falling to 0 over `EASED` nodes.
+
+    What is known of a target changes from plan to plan; a vehicle at the edge of what its distance to it allows is suddenly
+    beyond, and no plan at all would begin there. x: unknowns that begin at the start.
+    """
+    kept = [
+        name for name, contact in chased(case.scenario).contacts.items() if contact.kept == "until contact"
+    ]
+    values = problem.mpcc.split(x)
+    blocks = tuple(_eased(b, values) if b.name in kept else b for b in problem.mpcc.constraints)
+    return replace(problem, mpcc=replace(problem.mpcc, constraints=blocks))
+
+
+def _eased(block: Block, values: dict[str, Array]) -> Block:
+    z = np.concatenate([values[slot.variable].ravel()[slot.index[0]] for slot in block.slots])
+    broken = np.maximum(block.function(z, block.parameters[0], 0.0).full().ravel() - block.upper[0], 0.0)
+    share = np.clip(1 - np.arange(block.instances) / EASED, 0.0, 1.0)
+    return replace(block, upper=block.upper + share[:, None] * EASE * broken)
 
 
 def _starting(variable: Variable, values: Array) -> Variable:

@@ -15,14 +15,14 @@ GROUPS = {
     "dynamics": "dynamics", "relaxations": "relaxation", "solvers": "solver", "strategies": "strategy",
     "guesses": "guess", "peers": "peer", "contacts": "scenario/contact", "motions": "scenario/motion",
     "worlds": "world", "controllers": "controller", "autopilots": "autopilot", "residuals": "residual",
-    "payloads": "payload",
+    "payloads": "payload", "predictors": "predictor",
 }  # fmt: skip
 """Where the choices of a family of plugins are. Vehicles and scenarios are numbers, so that theirs are always YAML."""
 FAMILIES = (
     "scenario", "vehicle", "dynamics", "relaxation", "solver", "strategy", "guess", "certificate",
 )  # fmt: skip
 """What a run chooses from, in the order of the help."""
-FLYING = ("world", "controller", "autopilot", "residual", "payload", "mismatch", "rig")
+FLYING = ("world", "controller", "autopilot", "residual", "payload", "predictor", "mismatch", "rig")
 """What flights choose from besides."""
 PARTS = ("handover", "hardware")
 """YAML files that others build on; nothing to choose by itself."""

@@ -14,6 +14,7 @@ from benchbench.flight.controller import Controller
 from benchbench.flight.limits import FlightLimits
 from benchbench.flight.mismatch import Mismatch
 from benchbench.flight.payload import Payload
+from benchbench.flight.predictor import Predictor
 from benchbench.flight.residual import Residual
 from benchbench.flight.rig import Rig
 from benchbench.flight.world import World
@@ -26,14 +27,14 @@ DEFAULTS = {
     # the engine that no planner has written, the paper's controller, and PX4's equations, which real vehicles run
     "world": "mujoco", "controller": "nmpc", "autopilot": "px4",
     # nothing is corrected, and all is known, unless asked for: what is added then is seen; a mass of 75 g is weighed before
-    "residual": "none", "payload": "known",
+    "residual": "none", "payload": "known", "predictor": "known",
     "mismatch": "lab", "rig": "light",
 }  # fmt: skip
 """What flights choose where nothing else is said."""
 JUDGE, JUDGED = "judge", "certificate@judge=flight"
 KINDS: dict[str, type] = {
     "world": World, "controller": Controller, "autopilot": Autopilot, "residual": Residual, "payload": Payload,
-    "mismatch": Mismatch, "rig": Rig, JUDGE: FlightLimits,
+    "predictor": Predictor,    "mismatch": Mismatch, "rig": Rig, JUDGE: FlightLimits,
 }  # fmt: skip
 FIELDS = (COUNT, TARGET, *KINDS)
 

@@ -160,7 +160,16 @@ def _flown(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     proved = f"at least {100 * r['flights_low_exact']:.1f} % proved at 95 %, Wilson {100 * r['flights_low']:.0f} to {100 * r['flights_high']:.0f} %"
     how = " / ".join(
         str(r[name])
-        for name in ("world", "controller", "autopilot", "residual", "payload", "mismatch", "rig")
+        for name in (
+            "world",
+            "controller",
+            "autopilot",
+            "residual",
+            "payload",
+            "predictor",
+            "mismatch",
+            "rig",
+        )
     )
     failures = sorted((r["flight_reasons"] or {}).items(), key=lambda item: (-item[1], item[0]))
     said = [

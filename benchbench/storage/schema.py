@@ -160,6 +160,11 @@ COLUMNS: tuple[Column, ...] = (
     Column("payload", "str", "", "name of how the controller knows what it carries"),
     Column("mismatch", "str", "", "name of the ranges by which the world differs from the model"),
     Column("rig", "str", "", "name of the motors, ball and magnet of the world"),
+    Column("predictor", "str", "", "name of how the target's motion is predicted; known: as the scenario says"),
+    Column("replans", "int", "", "plans made in the loop, of all flights; empty where the target is known"),
+    Column("replans_refused", "int", "", "how many of them were none: not solved, or longer than a flight may be"),
+    Column("replan_cpu_p50_s", "float", "s", "median CPU time of predicting and planning once, by one thread"),
+    Column("replan_cpu_p99_s", "float", "s", "99th percentile of the same"),
     # provenance
     Column("benchbench_version", "str", "", "version of BenchBench"),
     Column("python_version", "str", "", "version of Python"),

@@ -45,6 +45,11 @@ class Estimate:
         self.given: deque[tuple[Command, Array]] = deque(maxlen=KEPT)
         self.payload, self.constant = 0.0, np.zeros(3)
 
+    def remember(self, other: Estimate) -> None:
+        """Go on where another one is, of the same flight."""
+        self.last, self.given = other.last, other.given
+        self.payload, self.constant = other.payload, other.constant
+
     def told(self, command: Command, change: Array) -> None:
         """Remember a command, and by which rates and thrust over mass (4,) it changes the reference's."""
         self.given.append((command, change))

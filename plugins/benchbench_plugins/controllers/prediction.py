@@ -5,6 +5,7 @@ x = [p, q, v] (10,), u = [body rates, thrust over mass] (4,), dp/dt = v, dq/dt =
 
 from __future__ import annotations
 
+from functools import cache
 from typing import final
 
 import casadi as ca
@@ -15,6 +16,7 @@ from benchbench.arrays import Array
 STATES, INPUTS = 10, 4
 
 
+@cache
 def stage(gravity: float, step: float) -> ca.Function:
     """One step of RK4 with its derivatives: (x, u, offset) -> (x+, dx+/dx, dx+/du), columns first."""
     x, u, offset = ca.SX.sym("x", STATES), ca.SX.sym("u", INPUTS), ca.SX.sym("offset", STATES)

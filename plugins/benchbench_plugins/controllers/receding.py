@@ -48,14 +48,15 @@ def receding(
 ) -> Callable[[Sensed, float], Command]:  # fmt: skip
     """Return the step of a controller; program: made of a prediction and the bounds (4,) of its inputs."""
     frame, most = known.airframe, np.array(known.rig.motor_force) * 4 / known.airframe.total_mass
-    prediction = Prediction(frame.gravity, horizon.step, horizon.stages)
-    limit = np.array(horizon.rate_limit)
     table = tables(known.reference, frame, horizon.step)
     estimate = Estimate(table, known, correction, weighing, horizon.latency)
+    telling = Telling(known, table, horizon.lead)
+    if isinstance(known.before, Receding):
+        return known.before.onto(table, estimate, telling)
+    prediction = Prediction(frame.gravity, horizon.step, horizon.stages)
+    limit = np.array(horizon.rate_limit)
     made = program(prediction, np.append(-limit, most[0]), np.append(limit, most[1]))
-    return Receding(
-        made, table, estimate, Telling(known, table, horizon.lead), correction, horizon.step
-    ).command
+    return Receding(made, table, estimate, telling, correction, horizon.step)
 
 
 @final
@@ -71,7 +72,14 @@ class Receding:
         self.stride, n = round(step / GRID), program.stages
         self.change, self.asked, self.nodes = np.zeros((n, 4)), -np.inf, np.zeros((0, 10))
 
-    def command(self, sensed: Sensed, now: float) -> Command:
+    def onto(self, table: Tables, estimate: Estimate, telling: Telling) -> Receding:
+        """Return the same with another reference: its program, the last inputs, and all that was learned and told."""
+        other = Receding(self.program, table, estimate, telling, self.correction, self.step)
+        other.change, other.asked, other.nodes = self.change, self.asked, self.nodes
+        estimate.remember(self.estimate)
+        return other
+
+    def __call__(self, sensed: Sensed, now: float) -> Command:
         """Estimate, predict, solve, tell."""
         table, program = self.table, self.program
         state, payload = self.estimate.ahead(sensed, now)
