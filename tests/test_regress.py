@@ -11,9 +11,11 @@ from typing import Any
 import pytest
 from program import assert_refused, told
 
+from benchbench.cli.commands import regress
 from benchbench.errors import BadInput
+from benchbench.flight import extra
 from benchbench.regression import baseline
-from benchbench.regression.compare import Change, compare
+from benchbench.regression.compare import Change, compare, unavailable
 from benchbench.regression.matrix import Gates, Matrix
 
 CASE = "[+scenario=static, strategy=phases, strategy.margin=0, scenario.intervals=12]"
@@ -237,3 +239,53 @@ def test_bad_calls_are_explained(stored: Path, tmp_path: Path) -> None:
     unknown = told(stored, "regress", "--baseline", "base", "relaxation=nonsense")
     assert unknown.returncode == 2
     assert "nonsense" in unknown.stderr
+
+
+FLOWN: dict[str, Any] = {
+    "flights": 3, "flights_succeeded": 3, "flight_error_before_m": 0.006, "flight_error_after_m": 0.008,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("now", "verdicts"),
+    [
+        ({}, ("same", "same", "same")),
+        ({"flights_succeeded": 2}, ("WORSE", "same", "same")),
+        ({"flight_error_before_m": 0.0065}, ("same", "same", "same")),
+        ({"flight_error_before_m": 0.0067}, ("same", "WORSE", "same")),
+        ({"flight_error_after_m": 0.007}, ("same", "same", "better")),
+        ({"flight_error_after_m": None}, ("same", "same", "WORSE")),
+        (
+            {"flights": 4, "flights_succeeded": 4},
+            ("WORSE", "same", "same"),
+        ),  # not the flights that were stored
+        (
+            {"flights": None, "flights_succeeded": None},
+            ("WORSE", "same", "same"),
+        ),  # no longer certified, so not flown
+    ],
+)
+def test_flights_are_counted_exactly_and_tracked_within_their_gate(
+    now: dict[str, Any], verdicts: tuple[str, ...]
+) -> None:
+    found = compare("flown", FLOWN, FLOWN | now, Gates())
+    assert tuple(change.verdict for change in found) == verdicts
+    assert [change.what for change in found] == ["flights", "flight_error_before_m", "flight_error_after_m"]
+    assert compare("flown", FLOWN | {"flights_succeeded": 1}, FLOWN, Gates())[0].verdict == "better"
+
+
+def test_flights_without_their_extra_are_told_and_no_regression(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = ["+scenario=static", "flights=1"]
+    matrix = Matrix(cases={"flown": asked}, common=["compile=never"])
+    monkeypatch.setattr(extra, "find_spec", lambda module: None)
+    entries, missing = regress._measure_all(matrix, [])
+    assert not entries and "pip install 'benchbench[flight]'" in missing["flown"]
+    change = unavailable("flown", FLOWN, missing["flown"])
+    assert (change.was, change.now, change.verdict) == ("3 of 3", "unavailable", "same") and change.moved
+
+
+def test_the_baseline_that_is_shipped_holds_flights() -> None:
+    folder = Path(__file__).resolve().parents[1] / "references" / "baseline"
+    _, cases = baseline.load(folder)
+    assert set(cases) == set(Matrix.load(folder).cases)
+    assert [name for name, entry in cases.items() if "flights" in entry] == ["circle flights nmpc"]

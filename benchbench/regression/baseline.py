@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
+from pydantic import Discriminator, Field, FiniteFloat, Tag, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
 from benchbench.errors import BadInput
@@ -16,6 +16,7 @@ from benchbench.storage import provenance
 from benchbench.storage.files import write_bytes
 
 BASELINE = "baseline.json"
+TIMED, FLOWN = "timed", "flown"
 
 
 @dataclass(frozen=True)
@@ -30,9 +31,23 @@ class _Measured:
 
 
 @dataclass(frozen=True)
+class _Flown:
+    flights: Annotated[int, Field(gt=0)]
+    flights_succeeded: int
+    flight_error_before_m: FiniteFloat | None
+    flight_error_after_m: FiniteFloat | None
+
+
+def _kind(entry: Any) -> str:
+    return FLOWN if isinstance(entry, Mapping) and "flights" in entry else TIMED
+
+
+@dataclass(frozen=True)
 class _Baseline:
     provenance: dict[str, Any]
-    cases: dict[str, _Measured]
+    cases: dict[
+        str, Annotated[Annotated[_Measured, Tag(TIMED)] | Annotated[_Flown, Tag(FLOWN)], Discriminator(_kind)]
+    ]
 
 
 def save(folder: Path, entries: Mapping[str, Measured]) -> Path:
@@ -53,7 +68,10 @@ def load(folder: Path) -> tuple[dict[str, Any], dict[str, Measured]]:
         raise BadInput("--baseline", f"'{path}': {error.strerror}", "--update makes it") from None
     except ValidationError as error:
         first = error.errors()[0]
-        raise BadInput(f"{path}: {'.'.join(map(str, first['loc']))}", first["msg"]) from None
+        raise BadInput(
+            f"{path}: {'.'.join(str(part) for part in first['loc'] if part not in (TIMED, FLOWN))}",
+            first["msg"],
+        ) from None
     except ValueError as error:
         raise BadInput(str(path), f"is no JSON: {error}", "--update makes it again") from None
     return content["provenance"], content["cases"]

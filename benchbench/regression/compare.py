@@ -36,6 +36,8 @@ class Change:
 
 def compare(case: str, was: Mapping[str, Any], now: Mapping[str, Any], gates: Gates) -> list[Change]:
     """Return a line for each gate."""
+    if "flights" in was or "flights" in now:
+        return _flights(case, was, now, gates)
     return [
         _certified(case, was, now),
         _number(case, "travel_time_s", was, now, gates.travel_time),
@@ -46,6 +48,29 @@ def compare(case: str, was: Mapping[str, Any], now: Mapping[str, Any], gates: Ga
     ]
 
 
+def unavailable(case: str, was: Mapping[str, Any], why: str) -> Change:
+    """Return the line of flights that could not be flown here: told, and no regression."""
+    return Change(case, "flights", _succeeded(was), "unavailable", None, "same", why)
+
+
+def _flights(case: str, was: Mapping[str, Any], now: Mapping[str, Any], gates: Gates) -> list[Change]:
+    """Successes exactly: the worlds are the same. Another number of flights says nothing of them."""
+    old, new = (entry.get("flights_succeeded") or 0 for entry in (was, now))
+    same = was.get("flights") == now.get("flights")
+    verdict: Verdict = "same" if same and old == new else "better" if same and new > old else "WORSE"
+    return [
+        Change(case, "flights", _succeeded(was), _succeeded(now), None, verdict, "exact"),
+        _number(case, "flight_error_before_m", was, now, gates.tracking),
+        _number(case, "flight_error_after_m", was, now, gates.tracking),
+    ]
+
+
+def _succeeded(entry: Mapping[str, Any]) -> str:
+    if entry.get("flights") is None:
+        return "none"
+    return f"{entry['flights_succeeded']} of {entry['flights']}"
+
+
 def _certified(case: str, was: Mapping[str, Any], now: Mapping[str, Any]) -> Change:
     verdict: Verdict = "same"
     if was["certified"] != now["certified"]:
@@ -54,7 +79,7 @@ def _certified(case: str, was: Mapping[str, Any], now: Mapping[str, Any]) -> Cha
 
 
 def _number(case: str, what: str, was: Mapping[str, Any], now: Mapping[str, Any], share: float) -> Change:
-    old, new = was[what], now[what]
+    old, new = was.get(what), now.get(what)
     if old is None or new is None:
         verdict: Verdict = "WORSE" if old is not None else "same" if new is None else "better"
         return Change(case, what, _text(old), _text(new), None, verdict)

@@ -23,7 +23,7 @@ Share = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 class Gates:
     """Tolerances: how far above the baseline a number may be, as a share of it.
 
-    Fewer iterations or a shorter travel time are never a regression. `solve_factor` is the factor on the ratio
+    `tracking` is that on the errors of flights, whose successes are counted exactly. Fewer iterations or a shorter travel time are never a regression. `solve_factor` is the factor on the ratio
     of solve time to reference time that must be exceeded with `confidence`.
     """
 
@@ -31,13 +31,14 @@ class Gates:
     objective: Share = 0.005
     iterations: Share = 0.3
     evaluations: Share = 0.3
+    tracking: Share = 0.1
     solve_factor: Annotated[float, Field(gt=1.0, allow_inf_nan=False)] = 1.5
     confidence: Annotated[float, Field(gt=0.5, lt=1.0)] = 0.99
 
 
 @dataclass(frozen=True, config=_STRICT)
 class Matrix:
-    """Cases by name, each a list of overrides of the main command; `common` ones come first."""
+    """Cases by name, each a list of overrides of the main command; `common` ones come first. Those with `flights` are flown."""
 
     cases: Annotated[dict[str, list[str]], Field(min_length=1)]
     common: list[str] = field(default_factory=list)

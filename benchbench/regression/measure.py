@@ -1,4 +1,4 @@
-"""Run one case of the matrix: its answer, and its solve times paired with the reference."""
+"""Run one case of the matrix: its answer, and its solve times paired with the reference; or its flights."""
 
 from __future__ import annotations
 
@@ -7,22 +7,33 @@ from collections.abc import Sequence
 from typing import Any
 
 from benchbench import pipeline
+from benchbench.errors import BadInput
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import Case
 from benchbench.regression.reference import Reference
 from benchbench.run import config
+from benchbench.run.flying import campaign
 
 ANSWER = ("status", "certified", "travel_time_s", "objective", "iterations", "evaluations")
 """Columns of the record that are compared."""
+FLOWN = ("flights", "flights_succeeded", "flight_error_before_m", "flight_error_after_m")
+"""Those of a case that is flown."""
 Measured = dict[str, Any]
 
 
 def measure(overrides: Sequence[str], repeats: int, reference: Reference) -> Measured:
     """Return the answer and `ratios`, one per repeat: solve CPU / mean CPU of the reference just before and after.
 
-    The first solve gives the answer and warms up. Raises BadInput.
+    The first solve gives the answer and warms up. A case that asks for flights is flown and not timed: columns `FLOWN`.
+    Raises BadInput; Unavailable for flights without what they need.
     """
-    case = config.compose(*overrides)
+    cfg, chosen = config.composed(*overrides)
+    asked, case = campaign(cfg, chosen), config.build(cfg, chosen)
+    if asked:
+        record = pipeline.run(case, campaign=asked).record
+        return {name: record[name] for name in FLOWN}
+    if not isinstance(case, Case):
+        raise BadInput("scenario", "a ready-made MPCC was chosen", "a flight")
     record = pipeline.run(case).record
     ratios = []
     before = reference.cpu_s()

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput
+from benchbench.errors import BadInput, Unavailable
 
 if TYPE_CHECKING:
     from benchbench.regression.compare import Change
@@ -30,7 +30,7 @@ STYLE = {"same": "", "better": "green", "WORSE": "bold red"}
 def run(arguments: Sequence[str]) -> int:
     """Return 0 if nothing became worse, 1 otherwise; raises BadInput."""
     from benchbench.regression import baseline
-    from benchbench.regression.compare import compare
+    from benchbench.regression.compare import compare, unavailable
     from benchbench.regression.matrix import Matrix
 
     asked = parser().parse_args(arguments)
@@ -41,11 +41,14 @@ def run(arguments: Sequence[str]) -> int:
     matrix = Matrix.load(folder)
     made, old = ({}, {}) if asked.update else baseline.load(folder)
     _check_names(matrix, old, asked.update)
-    entries = _measure_all(matrix, asked.overrides)
+    entries, missing = _measure_all(matrix, asked.overrides)
     if asked.update:
+        if missing:
+            raise Unavailable("; ".join(missing.values()))
         print(f"baseline of {len(entries)} cases written to {baseline.save(folder, entries)}")
         return 0
     changes = [c for name, now in entries.items() for c in compare(name, old[name], now, matrix.gates)]
+    changes += [unavailable(name, old[name], why) for name, why in missing.items()]
     return _report(
         changes, f"against {made.get('git_commit') or made.get('benchbench_version')} on {made.get('cpu')}"
     )
@@ -75,7 +78,8 @@ def _check_names(matrix: Matrix, old: dict[str, Measured], update: bool) -> None
         )
 
 
-def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> dict[str, Measured]:
+def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> tuple[dict[str, Measured], dict[str, str]]:
+    """What each case gave, and why those that need something that is not installed gave nothing."""
     from rich.console import Console
     from rich.progress import track
 
@@ -86,10 +90,17 @@ def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> dict[str, Measured
     reference.cpu_s()
     console = Console(stderr=True)
     names = track(matrix.cases, "regression matrix", console=console, disable=not console.is_terminal)
-    return {
-        name: measure([*matrix.cases[name], *matrix.common, *overrides], matrix.repeats, reference)
-        for name in names
-    }
+    entries, missing = {}, {}
+    for name in names:
+        try:
+            entries[name] = measure(
+                [*matrix.cases[name], *matrix.common, *overrides], matrix.repeats, reference
+            )
+        except Unavailable as error:
+            if not any(text.startswith("flights=") for text in matrix.cases[name]):
+                raise
+            missing[name] = str(error)
+    return entries, missing
 
 
 def _report(changes: Sequence[Change], title: str) -> int:
