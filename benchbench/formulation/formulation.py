@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from benchbench.ocp.model import Model
@@ -14,10 +15,12 @@ from benchbench.transcription.grid import Mesh
 class Formulation:
     """A task, the vehicle that flies it, and the transcription of its dynamics.
 
-    mesh  intervals of unequal length, for problems posed as phases; empty: as many as the scenario says, of equal length
+    mesh      intervals of unequal length, for problems posed as phases; empty: as many as the scenario says, of equal length
+    standing  stops that are made once their target stands, by name: from when, s; where the nose points is then not asked
     """
 
     scenario: Scenario
     model: Model
     dynamics: Dynamics
     mesh: Mesh = field(default_factory=dict)
+    standing: Mapping[str, float] = field(default_factory=dict)

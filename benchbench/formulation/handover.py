@@ -16,6 +16,7 @@ from benchbench.formulation.formulation import Formulation
 from benchbench.formulation.problem import NodesByStop, Problem
 from benchbench.formulation.transcribed import transcribed
 from benchbench.mpcc.problem import Mpcc, block
+from benchbench.ocp.contact import still
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Itinerary, Stop, spread
 from benchbench.transcription.grid import Grid, Phase, Trajectory
@@ -213,13 +214,15 @@ def _at_windows(case: Formulation, base: Mpcc, trajectory: Trajectory, contact: 
     made = [stop for stop in itinerary.stops if stop.name in contact]
     for stop in made:
         base += _coupling(case, trajectory, stop).at_nodes(contact[stop.name])
+        if stop.name in case.standing:
+            base += _not_before(trajectory.grid, contact[stop.name][0], stop, case.standing[stop.name])
     return Problem(base + open_order.choice(itinerary, made), trajectory, contact, _kappas(itinerary))
 
 
 def _coupling(case: Formulation, trajectory: Trajectory, stop: Stop) -> Coupling:
-    return Coupling(
-        stop.contacts, case.model, stop.target, trajectory, case.scenario.itinerary.margins, stop.prefix
-    )
+    contacts = still(stop.contacts) if stop.name in case.standing else stop.contacts
+    margins = case.scenario.itinerary.margins
+    return Coupling(contacts, case.model, stop.target, trajectory, margins, stop.prefix)
 
 
 def _kappas(itinerary: Itinerary) -> dict[str, str]:
@@ -235,5 +238,14 @@ def _average_steps(grid: Grid, phase: int, stop: Stop) -> Mpcc:
         lambda duration, p: duration[phase] - p * ca.sum1(duration),
         parameters=np.array([[steps / counted]]), unit="s", function="contact_duration",
         symbols="T",
+    )  # fmt: skip
+    return Mpcc((), (rule,))
+
+
+def _not_before(grid: Grid, node: int, stop: Stop, seconds: float) -> Mpcc:
+    """A node is reached after so many s at least."""
+    rule = block(
+        f"{stop.prefix}stands", [durations(grid, 1)], lambda duration, p: ca.dot(p, duration), seconds, np.inf,
+        parameters=grid.time_weights[[node]], unit="s", function="stands", symbols="T",
     )  # fmt: skip
     return Mpcc((), (rule,))

@@ -97,6 +97,11 @@ SLOW = 1e-5
 Contacts = Mapping[str, Contact]
 
 
+def still(contacts: Contacts) -> Contacts:
+    """Return the conditions that ask something of a contact with a target that stands."""
+    return {name: contact for name, contact in contacts.items() if not isinstance(contact, NoseContact)}
+
+
 def tool_velocity(model: Model, node: Node) -> ca.SX:
     """Velocity of the end effector at a node, (3,) m/s, from the nodal velocity: dp_ee/dq dq/dt."""
     q = ca.SX.sym("q", node.configuration.shape[0])

@@ -10,11 +10,12 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.planning.findings import Round, Step, next_step
-from benchbench.planning.ladder import climb, coarse, on_grid, rung
+from benchbench.planning.ladder import WARM, climb, coarse, on_grid, rung
 from benchbench.planning.margins import least_margins, with_margins
 from benchbench.planning.mesh import exceeded, halved, marked, steady, touching
 from benchbench.planning.rescue import rescue
 from benchbench.planning.result import Result
+from benchbench.planning.standing import once_they_stand
 from benchbench.planning.strategy import judge
 from benchbench.storage.status import Status
 from benchbench.transcription.correction import correctable
@@ -66,8 +67,8 @@ class Loop:
     def certifies(self, case: Case, start: Plan) -> bool:
         """Plan from one start until the certificate accepts; returns whether it does."""
         least = least_margins(case.scenario, self.margin)
-        now, level = Round(least, least, self.margin), with_margins(case, least)
-        found = self._first(level, start)
+        now = Round(least, least, self.margin)
+        level, found = self._first(with_margins(case, least), start)
         for left in reversed(range(ROUNDS + 1)):
             certificate = judge(found, self.case, self.ledger) if found.claimed else None
             self.tried.append((found, certificate))
@@ -86,20 +87,36 @@ class Loop:
             found = rung(level, self.ledger, found.plan, found, step.correct)
         return certificate is not None and certificate.certified
 
-    def _first(self, case: Case, start: Plan) -> Result:
+    def _first(self, case: Case, start: Plan) -> tuple[Case, Result]:
         """The plan on the case's own grid, by way of a coarse one; where that fails, from a flight that was found with slack.
 
-        Without such a flight, and with a conflict in its place, what failed.
+        Without such a flight, and with a conflict in its place, what failed. Also the case, which may wait for targets to stand.
         """
+        case, below = self._side(case, start)
         first = coarse(case)
-        below = rung(first, self.ledger, start)
         if below.claimed or self.ledger.over:
-            return below if first is case or not below.claimed else rung(case, self.ledger, below.plan, below)
+            done = first is case or not below.claimed
+            return case, below if done else rung(case, self.ledger, below.plan, below)
         saved = rescue(first, self.ledger, (start, below.plan))
         self.conflict = saved.conflict
         if saved.conflict:
-            return below
-        return climb(case, self.ledger, start if saved.plan is None else saved.plan)
+            return case, below
+        return case, climb(case, self.ledger, start if saved.plan is None else saved.plan)
+
+    def _side(self, case: Case, start: Plan) -> tuple[Case, Result]:
+        """The better one on the coarse grid: contact at any time, or once the targets stand that come to rest."""
+        other = once_they_stand(case)
+        if other is None:
+            return case, rung(coarse(case), self.ledger, start)
+        waits = rung(coarse(other), self.ledger, start)
+        limit = min(WARM, case.iteration_limit) if waits.claimed else case.iteration_limit
+        now = rung(replace(coarse(case), iteration_limit=limit), self.ledger, start)
+        if not waits.claimed or now.objective < waits.objective:
+            return case, now
+        told = f"{now.plan.travel_time:.4f} s" if now.claimed else str(now.solved.outcome.claim)
+        at = f"N = {waits.plan.intervals}: {waits.plan.travel_time:.4f} s"
+        self.told.append(f"{at} with contact once its target stands, at any time: {told}")
+        return other, waits
 
     def _finer(self, level: Case, found: Result, certificate: Certificate, step: Step, now: Round) -> Case:
         """The case on the next grid; the same one where no interval has to be cut."""
