@@ -21,7 +21,7 @@ from benchbench.storage.schema import make_record
 
 SUITES = {"handover100": 100, "hardware30": 30, "race50": 50, "delivery20": 20}
 TINY = {"title": "three tasks", "version": 2, "scenario": "random_handover", "seeds": [1, 3]}
-PLAIN = ("strategy=phases", "strategy.margin=0")
+PLAIN = ("strategy=phases", "strategy.margin=0", "dynamics=midpoint")
 QUICK = ("scenario.intervals=14", "scenario.kappa_init=1", *PLAIN)
 
 

@@ -10,6 +10,7 @@ import contextlib
 import gc
 import json
 import os
+import re
 import select
 import signal
 import sys
@@ -31,8 +32,8 @@ READY = "ready"
 """What a keeper says first."""
 LARGEST_ANSWER = 1_000_000
 """Bytes of a run's answer; ours have some thousand."""
-OWN = ("benchbench.", "benchbench_plugins.")
-"""Packages whose modules are kept, once a run has needed them, for the following ones."""
+KEPT = re.compile(r"(benchbench|benchbench_plugins)\..+|scipy\.[a-z]+")
+"""Modules that are kept, once a run has needed them, for the following ones: ours, and scipy's rooms, half a second each."""
 
 
 Limit = Literal["time", "memory", "program"]
@@ -155,12 +156,12 @@ def _paper() -> int:
 
 
 def _keep_modules(answer: bytes) -> None:
-    """Import what a run had to, so that the following ones begin with it; of ours only, never of a plugin's."""
+    """Import what a run had to, so that the following ones begin with it; never of a plugin's."""
     try:
         names = [str(name) for name in json.loads(answer)["modules"]]
     except (ValueError, TypeError, KeyError, RecursionError):
         return
     for name in names:
-        if name.startswith(OWN):
+        if KEPT.fullmatch(name):
             with contextlib.suppress(ImportError):
                 import_module(name)
