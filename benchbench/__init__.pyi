@@ -44,6 +44,8 @@ from .ocp.plan import Plan
 from .ocp.race import Race
 from .ocp.scenario import Scenario
 from .ocp.space import Space
+from .ocp.touching import TouchingModel
+from .ocp.transfer import Transfer
 from .planning.case import Case, Guess, MpccStrategy, ReadyCase, Strategy
 from .planning.peer import Peer
 from .planning.result import Result, Solution
@@ -61,7 +63,7 @@ __all__ = [
     "Motion", "Mpcc", "MpccStrategy", "NoPlan", "Node", "Outcome", "OutputModel", "Pair", "PairKind", "Parametric",
     "Peer", "Phase", "Plan", "Plant", "Point", "Prepared", "Progress", "Race", "RacingModel", "RampModel",
     "ReadyCase", "ReadyMade", "Relaxation", "Relaxed", "Result", "RunView", "Scenario", "Schedule", "Setup",
-    "Shared", "Slot", "Solution", "Solver", "Space", "Standing", "Strategy", "Target", "Trajectory", "Unavailable", "Unknown",
+    "Shared", "Slot", "Solution", "Solver", "Space", "Standing", "Strategy", "Target", "TouchingModel", "Trajectory", "Transfer", "Unavailable", "Unknown",
     "Variable", "acceleration", "at_least", "at_most", "block", "certify", "evaluate", "load", "plan", "rows",
     "runs", "space", "whole", "worst",
 ]  # fmt: skip

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import casadi as ca
 import mujoco
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import benchbench as bb
 from benchbench.conformance.checks import models
@@ -92,3 +95,107 @@ def test_what_an_arm_cannot_do_is_told(robots: str) -> None:
             validate(config.compose(robots, "+scenario=catch", *given))
     with pytest.raises(bb.IncompatibleCase, match="no point mass flies as 'two_link' moves"):
         bb.plan(robots, "+scenario=catch", "guess=point_mass")
+
+
+CART_POLE = """<mujoco><option gravity="0 0 -9.8066"/><worldbody><body>
+<joint name="cart" type="slide" axis="1 0 0" damping="0.1"/><inertial pos="0 0 0" mass="1.0" diaginertia="1 1 1"/>
+<body><joint name="pole" type="hinge" axis="0 1 0"/><inertial pos="0 0 0.5" mass="0.3" diaginertia="1e-12 1e-12 1e-12"/>
+<site name="tool" pos="0 0 0.5"/></body></body></worldbody></mujoco>"""
+HOPPER = """<mujoco><option gravity="0 0 -9.8066"/><worldbody><body>
+<joint name="foot" type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="0.4" diaginertia="1 1 1"/>
+<body><joint name="leg" type="slide" axis="0 0 1" damping="2"/><inertial pos="0 0 0" mass="1.0" diaginertia="1 1 1"/>
+<site name="tool" pos="0 0 0"/></body></body></worldbody></mujoco>"""
+UNCHECKED = (models.check_acceleration, models.check_virtual_work, models.check_energy)
+"""What a plant cannot be asked for any input: it finds forces of contact itself, and they take up energy and give it back."""
+
+
+@pytest.mark.parametrize(("scenario", "text"), [("bounce", CART_POLE), ("hop", HOPPER)])
+def test_robots_with_contact_move_as_mujoco_says(robots: str, scenario: str, text: str) -> None:
+    """Away from contact as MuJoCo says; in it the plant's own force is the one at which the model's pair vanishes."""
+    model = config.compose(robots, f"+scenario={scenario}").model
+    for check in models.CHECKS:
+        if check not in UNCHECKED:
+            check(model)
+    symbols = [ca.SX.sym(name, 2) for name in "qvu"]
+    lagrange = ca.Function("lagrange", symbols, [bb.acceleration(model, *symbols)])
+    plant, states = model.plant(), RNG.uniform(-0.2, 0.2, (20, 4))
+    states[:10, 0] = {"bounce": -0.8, "hop": 0.5}[scenario]
+    pushed = 0
+    for q, v in zip(states[:, :2], 5 * states[:, 2:], strict=True):
+        q = q + ([0.3, 0.5] if scenario == "bounce" else [0.0, 0.4])
+        u = np.array([3.0, _force(plant, q)])
+        pushed += u[1] > 0
+        acceleration, place = engine(text, q, v, _generalised(scenario, q, u))
+        assert plant.acceleration(q, v, u) == pytest.approx(acceleration, rel=1e-6, abs=1e-6)
+        assert lagrange(q, v, u).full().ravel() == pytest.approx(acceleration, rel=1e-6, abs=1e-6)
+        assert plant.tool(q, v)[0] == pytest.approx(place, abs=1e-9)
+        one, other = (float(x) for x in model.contact(ca.SX(q), ca.SX(v), ca.SX(u)))
+        assert min(one, other) == pytest.approx(0.0, abs=1e-9) and max(one, other) > 0
+    assert 2 <= pushed <= 10
+
+
+def _force(plant: Any, q: Any) -> float:
+    return float(plant.wall_force(q) if hasattr(plant, "wall_force") else plant.ground_force(q))
+
+
+def _generalised(scenario: str, q: Any, u: Any) -> list[float]:
+    """What motor and contact do along each coordinate."""
+    return [u[0] - u[1], -u[1] * 0.5 * np.cos(q[1])] if scenario == "bounce" else [u[1], u[0]]
+
+
+def test_the_pole_is_caught_with_the_wall(robots: str) -> None:
+    """The plan is flown once more, the way from contact to contact found by events; without the wall nothing is found as quick."""
+    run = bb.plan(robots, "+scenario=bounce")
+    plan = run.plan
+    assert run.certified and plan is not None and run.record["n_pairs"] == plan.intervals + 1
+    plant, state = run.source.scene()[1].plant(), [*plan.configuration[0], *plan.velocity[0]]
+    for a, b in pairwise(plan.time):
+        found = solve_ivp(
+            lambda t, y: [*y[2:], *plant.acceleration(y[:2], y[2:], plan.input_at(np.array([t]))[0])],
+            (a, b),
+            state,
+            max_step=1e-3,
+        )
+        state = found.y[:, -1]
+    assert state[:2] == pytest.approx([0.0, 0.0], abs=0.02)
+    forces = plan.inputs[:, 1]
+    assert forces.max() > 15.0 and np.flatnonzero(forces > 0.01).size > 10
+    beyond = plan.configuration[:, 0] + 0.5 * np.sin(plan.configuration[:, 1]) - 0.35
+    assert forces == pytest.approx(300.0 * np.maximum(beyond, 0.0), abs=1e-3)
+
+
+def test_the_hopper_leaves_the_ground(robots: str) -> None:
+    """Higher than it can stand; in the air nothing pushes, and energy at the take-off is enough for the height."""
+    run = bb.plan(robots, "+scenario=hop", "scenario.intervals=40", "strategy=phases")
+    plan = run.plan
+    assert plan is not None and run.record["claimed_success"]
+    foot, leg = plan.configuration.T
+    (first, _), air = plan.contacts[0], np.flatnonzero(foot > 0.03)
+    assert (
+        foot[first] + leg[first] > 0.789
+        and leg.max() <= 0.55 + 1e-6
+        and np.abs(plan.inputs[air, 1]).max() < 1e-4
+    )
+    rising = air[(air > 0) & (air < first)][0]
+    speed = (
+        0.4 * plan.velocity[rising, 0] + 1.0 * plan.velocity[rising].sum()
+    ) / 1.4  # of the common centre of mass
+    centre = [(0.4 * foot[k] + 1.0 * (foot[k] + leg[k])) / 1.4 for k in (rising, first)]
+    assert centre[1] - centre[0] <= speed**2 / (2 * 9.8066) + 2e-3
+
+
+def test_what_contact_asks_for_is_told(robots: str) -> None:
+    for given, says in (
+        (
+            ("+scenario=bounce", "dynamics=verlet"),
+            "dynamics: has no inputs at its nodes, where wall of the vehicle is found",
+        ),
+        (
+            ("+scenario=bounce", "vehicle.stiffness=-1"),
+            "vehicle.stiffness: -1 was given; allowed: a number greater than 0",
+        ),
+        (("+scenario=bounce", "scenario.end.pole=2"), "scenario.end.pole: 2 rad is outside its limits"),
+        (("+scenario=bounce", "+scenario.order=free"), "scenario.order: does not exist"),
+    ):
+        with pytest.raises(bb.BadInput, match=says):
+            bb.plan(robots, *given)

@@ -14,10 +14,12 @@ import numpy as np
 
 from benchbench.certificate.handover_bound import handover_bound, level_bound
 from benchbench.certificate.race_bound import race_bound
+from benchbench.certificate.speed_bound import rate_bound
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.transfer import Transfer
 
 
 @singledispatch
@@ -33,6 +35,12 @@ lower_bound.register(Race, race_bound)
 def _(scenario: Handover, model: Model, plant: Plant) -> float:
     """Return the least of all sequences; `inf` when no allowed travel time reaches every stop asked for."""
     return handover_bound(scenario, model, plant).seconds
+
+
+@lower_bound.register
+def _(scenario: Transfer, model: Model, plant: Plant) -> float:
+    """Return the time that the slowest coordinate takes at its largest rate."""
+    return max(scenario.travel_time[0], rate_bound(scenario, model)[0])
 
 
 @singledispatch

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from benchbench.certificate import handover, race  # noqa: F401  # they register what they ask
+from benchbench.certificate import handover, race, transfer  # noqa: F401  # they register what they ask
 from benchbench.certificate.certificate import Certificate, Measures
 from benchbench.certificate.check import Check
 from benchbench.certificate.checks.problem import original_problem

@@ -9,6 +9,7 @@ from benchbench.certificate import advice
 from benchbench.certificate.check import Checks, at_most
 from benchbench.certificate.evidence import Evidence
 from benchbench.ocp.plan import bezier
+from benchbench.ocp.touching import motors
 
 
 def spent(evidence: Evidence) -> dict[str, float]:
@@ -32,7 +33,9 @@ def effort(evidence: Evidence) -> float:
     """Return c_u times the integral of |u - u_ref|^2 in s, of the inputs as the plan interpolates them."""
     s = np.linspace(0.0, 1.0, 11)
     off = bezier(evidence.plan.input_pieces[:, None], s) - evidence.model.hover()
-    return evidence.scenario.input_cost * _integral(np.sum(off**2, axis=2), np.diff(evidence.plan.time))
+    return evidence.scenario.input_cost * _integral(
+        np.sum(off[..., motors(evidence.model)] ** 2, axis=2), np.diff(evidence.plan.time)
+    )
 
 
 def objective(evidence: Evidence) -> Checks:

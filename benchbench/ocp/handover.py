@@ -8,14 +8,13 @@ from typing import Annotated, Any, ClassVar, Self, final
 
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf, model_validator
 
-from benchbench.arrays import Array
 from benchbench.errors import BadInput
 from benchbench.ocp.contact import Contact, Contacts
-from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.scenario import Ends, NonNegative, Positive, Scenario, Share, at_rest, point, straight
+from benchbench.ocp.scenario import NonNegative, Positive, Scenario, Share
 from benchbench.ocp.sizes import Intervals, Nodes
 from benchbench.ocp.stop import Itinerary, Order, Stop, Visit
+from benchbench.ocp.to_rest import ToRest
 
 Aim = Annotated[float, Field(gt=0, le=1)]
 
@@ -40,7 +39,7 @@ class StopFields(BaseModel):
 
 
 @final
-class Handover(Scenario):
+class Handover(ToRest):
     """Fly from `start` to rest at `end` in least time and touch the moving target on the way, or several of them.
 
     target           motion of the target, where there is one
@@ -133,22 +132,6 @@ class Handover(Scenario):
         """Share of the limits of contacts that the planner leaves unused: all beyond its aim, and margins within it."""
         own = self.contact_margin
         return {**own, **{name: 1 - (1 - own.get(name, 0.0)) * aim for name, aim in self.aim.items()}}
-
-    def start_point(self, model: Model) -> Array:
-        """Return the start configuration (n_q,)."""
-        return point(self.start, model, "scenario.start")
-
-    def end_point(self, model: Model) -> Array:
-        """Return the end configuration (n_q,)."""
-        return point(self.end, model, "scenario.end")
-
-    def ends(self, model: Model) -> Ends:
-        """Bounds of the last node: the end point, at rest."""
-        return at_rest(self.end_point(model), self.limits(model), model)
-
-    def flown(self, model: Model, nodes: int) -> Array:
-        """Metres along the straight line from start to end, (nodes,)."""
-        return straight(self.start_point(model), self.end_point(model), model, nodes)
 
 
 def check_stops(scenario: Handover) -> None:

@@ -1,4 +1,4 @@
-"""Which kind of scenario a configuration means: a handover, a race, or one that an installed package brings.
+"""Which kind of scenario a configuration means: a handover, a race, a transfer, or one that an installed package brings.
 
 A kind comes from a folder of its own and one entry point in the group `benchbench.scenarios`. What it is posed as, bounded
 by, checked for and drawn as, each room asks by a function that dispatches on the kind; the folder registers its answers.
@@ -14,10 +14,11 @@ from benchbench.errors import BadInput
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.transfer import Transfer
 
 FIELD = "kind"
 """Field of a configuration that names its kind, where no field of its own does."""
-OWN: Mapping[str, type[Scenario]] = {"handover": Handover, "race": Race}
+OWN: Mapping[str, type[Scenario]] = {"handover": Handover, "race": Race, "transfer": Transfer}
 """The kinds of the core; a configuration that says nothing means the first."""
 
 

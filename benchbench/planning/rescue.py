@@ -34,13 +34,17 @@ class Rescue:
 
 
 def rescue(case: Case, ledger: Ledger, starts: Sequence[Plan]) -> Rescue:
-    """Solve with slack from each start until one ends without."""
+    """Solve with slack from each start until one ends without; nothing is found where forces of contact are part of the problem."""
     limited = replace(case, iteration_limit=min(PATIENCE, case.iteration_limit))
     found: list[Eased] = []
     for start in starts:
         if ledger.over:
             return Rescue()
-        found.append(ease(posing.phases(case, start), limited, ledger, "slack"))
+        with ledger.building():
+            problem = posing.phases(case, start)
+        if problem.mpcc.pairs:
+            return Rescue()
+        found.append(ease(problem, limited, ledger, "slack"))
         if found[-1].feasible:
             return Rescue(found[-1].result.plan)
     if not all(one.conflicts for one in found):

@@ -25,6 +25,7 @@ from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.sizes import INTERVALS
 from benchbench.ocp.stop import Stop
+from benchbench.ocp.transfer import Transfer
 from benchbench.planning.case import AnyCase, Case
 from benchbench.planning.posture import nearest_touch
 
@@ -55,8 +56,9 @@ def suits(scenario: Scenario, case: Case) -> None:
         raise IncompatibleCase("vehicle", problem, "a vehicle with them")
 
 
-@suits.register
-def _(scenario: Handover, case: Case) -> None:
+@suits.register(Handover)
+@suits.register(Transfer)
+def _(scenario: Scenario, case: Case) -> None:
     """Whatever has an end effector."""
 
 

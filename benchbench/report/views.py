@@ -20,6 +20,7 @@ from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.touching import TouchingModel
 from benchbench.report.contact_window import contact_windows, stop_windows
 from benchbench.report.gates import outlines
 from benchbench.report.grid import NUMBERS_IN, TICKS_IN, label_axes
@@ -133,7 +134,8 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
     tool, _ = plant.tool(plan.configuration, plan.velocity)
     flown = None if replay is None else plant.tool(replay.configuration, replay.velocity)[0]
     targets = {stop.name: sample(stop.target, plan.time)[0] for stop in scenario.itinerary.stops}
-    obstacles = Marks("obstacles", standing_lines(scenario.obstacles.items()), forbidden=True)
+    touched = model.surroundings if isinstance(model, TouchingModel) else {}
+    obstacles = Marks("obstacles", {**standing_lines(scenario.obstacles.items()), **touched}, forbidden=True)
     return Scene(plan, model, tool, targets, flown, marks(scenario, plan), obstacles)
 
 
@@ -196,15 +198,17 @@ def label_times(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
     ends = [0, scene.plan.intervals]
     nodes = [*ends, *scene.pose_nodes, *scene.contact_nodes]
     drawn = np.concatenate([line for k in nodes for line in skeleton(scene, k).values()])
+    labels: dict[tuple[float, float], list[int]] = {}
     for node in dict.fromkeys([*first_contacts, *ends]):
         place, top = scene.tool[node, [h, v]]
         if travels(scene.model):
             place = np.concatenate(list(skeleton(scene, node).values())).mean(axis=0)[h]
             top = drawn[np.abs(drawn[:, h] - place) < LABEL_M][:, v].max()
-        contact = node in first_contacts
+        labels.setdefault((round(float(place), 3), round(float(top), 3)), []).append(node)
+    for anchor, at in labels.items():
+        contact = any(node in first_contacts for node in at)
         axes.annotate(
-            f"{first_contacts.get(node, '')} {scene.plan.time[node]:.2f} s".strip(),
-            (place, top),
+            ", ".join(f"{first_contacts.get(node, '')} {scene.plan.time[node]:.2f} s".strip() for node in at), anchor,
             xytext=(0, 6), textcoords="offset points", ha="center", va="bottom",
             fontsize=9, fontweight="bold" if contact else "normal", color=INK, zorder=8,
         )  # fmt: skip

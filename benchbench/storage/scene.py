@@ -33,6 +33,7 @@ from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.touching import TouchingModel
 from benchbench.storage.entry import LogEntry, nanoseconds
 from benchbench.storage.flight import vehicle_pose
 
@@ -61,7 +62,9 @@ def scene(context: Context, plan: Plan, scenario: Scenario, model: Model) -> Ite
         channel = PosesInFrameChannel(f"/path/{name}", context=context)
         yield LogEntry(0, channel, PosesInFrame(timestamp=_stamp(0), frame_id=WORLD, poses=poses))
     yield LogEntry(
-        0, view, SceneUpdate(entities=[_path_lines(paths), *furniture(scenario), *_obstacles(scenario)])
+        0,
+        view,
+        SceneUpdate(entities=[_path_lines(paths), *furniture(scenario), *_obstacles(scenario, model)]),
     )
     for k, log_time in enumerate(log_times):
         yield LogEntry(log_time, frames, FrameTransforms(transforms=_transforms(paths, k, log_time)))
@@ -75,13 +78,14 @@ def furniture(scenario: Scenario) -> list[SceneEntity]:
     return []
 
 
-def _obstacles(scenario: Scenario) -> list[SceneEntity]:
-    """Outlines of what stands in the way, parted where they have rows of NaN."""
+def _obstacles(scenario: Scenario, model: Model) -> list[SceneEntity]:
+    """Outlines of what stands in the way, and of what the vehicle touches, parted where they have rows of NaN."""
+    standing = [one for one in scenario.obstacles.values() if isinstance(one, Standing)]
+    outlines = [line for one in standing for line in one.outlines().values()]
+    outlines += model.surroundings.values() if isinstance(model, TouchingModel) else ()
     lines = [
         _line(part[~np.isnan(part[:, 0])], GREY)
-        for one in scenario.obstacles.values()
-        if isinstance(one, Standing)
-        for outline in one.outlines().values()
+        for outline in outlines
         for part in np.split(outline, np.flatnonzero(np.isnan(outline[:, 0])))
     ]
     return [SceneEntity(timestamp=_stamp(0), frame_id=WORLD, id="obstacles", lines=lines)] if lines else []

@@ -19,6 +19,7 @@ from benchbench.ocp.model import Model, output, output_box
 from benchbench.ocp.node import Node
 from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.touching import motors
 from benchbench.transcription.grid import Grid
 
 Velocities = Literal["nodal", "mean"]
@@ -151,9 +152,10 @@ def cost(
     slot, steps = own_duration(grid, interval.tolist())
     steps = steps / per_interval
     constants = np.tile([scenario.input_cost, *model.hover()], (input_rows, 1))
+    given = motors(model)
 
     def effort(u: ca.SX, own: ca.SX, p: ca.SX) -> ca.SX:
-        return p[1] * p[0] * own * ca.sumsqr(u - p[2:])
+        return p[1] * p[0] * own * ca.sumsqr((u - p[2:])[given])
 
     slots, numbers = (
         (rows("u", len(model.inputs.names), range(input_rows)), slot),
