@@ -18,7 +18,7 @@ from benchbench.planning.case import AnyCase, Case
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge
 from benchbench.planning.validate import validate
-from benchbench.storage import provenance
+from benchbench.storage import convergence, provenance
 from benchbench.storage.best_known import BestKnown
 from benchbench.storage.best_known import known as best_known
 
@@ -32,6 +32,8 @@ class Run:
     certificate: Certificate
     record: dict[str, Any]
     flights: Flights | None = None
+    convergence: str = ""
+    """Of the solves, as `benchbench.storage.convergence.text` writes it."""
 
 
 def run(
@@ -73,7 +75,7 @@ def run(
     ready = {**before, **costs, **told, **(labels or {})}
     record = columns.record(case, result, certificate, ledger, ready)
     record |= (known or best_known()).compare(record)
-    return Run(case, result, certificate, record, flown)
+    return Run(case, result, certificate, record, flown, convergence.text(ledger.solves))
 
 
 def write(done: Run, folder: Path, table: Path, config: str, picture: bool = True) -> dict[str, Path]:
@@ -119,7 +121,8 @@ def _write_flight(done: Run, case: Case, folder: Path, config: str) -> Path:
     from benchbench.storage.recording import write_mcap
 
     path, flight = folder / PLAN, done.certificate.flight
-    write_mcap(path, done.result.plan, flight, case.scenario, case.model, {"config": config})
+    more = {convergence.NAME: done.convergence} if done.convergence else {}
+    write_mcap(path, done.result.plan, flight, case.scenario, case.model, {"config": config, **more})
     return path
 
 

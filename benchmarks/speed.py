@@ -25,7 +25,7 @@ from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
-from benchbench.regression.reference import Reference
+from benchbench.nlp.reference import Reference
 from benchbench.run import config
 
 WINDOW = """

@@ -15,7 +15,7 @@ def printed(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     folder = tmp_path_factory.mktemp("plugins")
     done = told(folder, "plugins", "--anew")
     assert done.returncode == 0, done.stderr
-    assert done.stderr.startswith("trying every solver")
+    assert not done.stderr or done.stderr.startswith("benchbench: trying"), "only where it takes long"
     again = told(folder, "plugins")
     assert (again.stdout, again.stderr) == (done.stdout, "")
     return done.stdout.splitlines()

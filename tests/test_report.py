@@ -28,6 +28,7 @@ from test_picture import curved_plan, dense, task, vehicle
 from test_table import row
 
 from benchbench.cli.report_content import best_first, content
+from benchbench.report.claims import load, said
 from benchbench.report.html.page import render
 from benchbench.report.html.plans.view import FRAMES, frame_nodes, view
 from benchbench.report.views import scene
@@ -201,6 +202,8 @@ def test_no_plan_at_all(results: Path) -> None:
         "No run has a plan whose error was measured.",
     ):
         assert says in text
+    menu = re.findall(r'href="#([a-z-]+)"', text.partition("</nav>")[0])
+    assert menu == ["success", "speed", "runs", "settings", "claims"], "nothing to see in the others"
 
 
 @pytest.mark.parametrize(
@@ -228,7 +231,8 @@ def test_a_plan_that_cannot_be_shown_is_told(results: Path, damage: Any, says: s
 def overwrite(path: Path) -> None:
     """Damage the middle of a file, as a bad disk does."""
     content = path.read_bytes()
-    path.write_bytes(content[:3000] + bytes(200) + content[3200:])
+    middle = len(content) // 2
+    path.write_bytes(content[:middle] + bytes(200) + content[middle + 200 :])
 
 
 def test_a_plan_of_an_older_configuration_is_shown(results: Path) -> None:
@@ -316,14 +320,102 @@ def state(driver: WebDriver) -> dict[str, Any]:
         };""")
 
 
-def test_the_page_loads_without_an_error_and_without_the_network(page: WebDriver) -> None:
+def test_the_page_loads_without_an_error_and_without_the_network(
+    page: WebDriver, made: tuple[Path, Done]
+) -> None:
     figures, drawn = page.execute_script(
         "return [document.querySelectorAll('.figure').length, document.querySelectorAll('.figure > .plot-container').length]"
     )
-    assert figures == drawn == 9
+    assert figures == drawn >= 10
+    assert (made[0] / "report.html").stat().st_size < 6e6
     assert errors(page) == []
     loaded = page.execute_script("return performance.getEntriesByType('resource').map((entry) => entry.name)")
     assert [name for name in loaded if not name.startswith(("data:", "blob:"))] == []
+
+
+def ticks(page: WebDriver, title: str, axis: str) -> list[str]:
+    """Texts along an axis of the chart with this title."""
+    return page.execute_script(
+        """
+        const chart = [...document.querySelectorAll("article.chart")].find((one) => one.querySelector("h3").textContent === arguments[0]);
+        return [...chart.querySelectorAll(`.${arguments[1]}tick text`)].map((text) => text.textContent);""",
+        title, axis,
+    )  # fmt: skip
+
+
+def test_runs_and_intervals_are_counted_in_whole_numbers(page: WebDriver) -> None:
+    told = [int(text) for text in ticks(page, "How the runs ended", "x")]
+    assert told[0] == 0 and told == sorted({*told}) and len(told) > 2
+    assert ticks(page, "Travel time over N", "x") == ["12", "20"]
+    text = page.find_element(By.ID, "travel-time").text
+    assert "static" in text and "linear" in text, "the lines say which scenario they are"
+
+
+def test_the_menu_leads_to_what_there_is(page: WebDriver) -> None:
+    links = [
+        one.get_attribute("href").partition("#")[2] for one in page.find_elements(By.CSS_SELECTOR, "nav a")
+    ]
+    assert links == ["success", "speed", "travel-time", "plans", "runs", "settings", "claims", "left-out"]
+    assert all(page.find_elements(By.ID, link) for link in links)
+
+
+def test_convergence_over_iterations_and_over_cpu_time(page: WebDriver, made: tuple[Path, Done]) -> None:
+    """Each method's line ends at the iterations of its record, or at its CPU time in the solver; violations fall."""
+    chart = page.find_element(By.XPATH, "//article[h3[starts-with(., 'Convergence on')]]")
+    read = """return arguments[0].querySelector('.js-plotly-plot').data.map((t) => ({
+        name: t.name, x: [...t.x], y: [...t.y], axis: t.yaxis || 'y'}));"""
+    known = records(made[0] / "results" / "sweeps")
+    problem = chart.find_element(By.TAG_NAME, "h3").text
+
+    def asked(method: str) -> list[dict[str, Any]]:
+        return [
+            r
+            for r in known
+            if r["dynamics"] == method and r["scenario"] in problem and f"N={r['intervals']}" in problem
+        ]
+
+    def ends(column: str) -> bool:
+        """Whether each line ends where the record of its run says."""
+        lines = page.execute_script(read, chart)
+        assert {line["name"].split(" / ")[0] for line in lines} == {"collocation", "midpoint"} and len(
+            lines
+        ) == 4
+        for line in lines:
+            assert line["x"] == sorted(line["x"]) and line["x"][0] == 0
+            assert line["axis"] == "y2" or line["y"][-1] < 1e-4 < line["y"][0]
+        return all(
+            any(
+                line["x"][-1] == pytest.approx(run[column], rel=1e-4)
+                for run in asked(line["name"].split(" / ")[0])
+            )
+            for line in lines
+        )
+
+    for button, column in enumerate(("iterations", "solve_cpu_s")):
+        page.execute_script("arguments[0].scrollIntoView({block: 'center'})", chart)
+        chart.find_elements(By.CSS_SELECTOR, ".updatemenu-button")[button].click()
+        WebDriverWait(page, 20).until(lambda _, column=column: ends(column))
+    assert errors(page) == []
+
+
+def test_plan_charts_have_a_time_and_a_legend(page: WebDriver) -> None:
+    charts = page.find_element(By.CSS_SELECTOR, "details.plan[open] .limits")
+    assert [one.text for one in charts.find_elements(By.CSS_SELECTOR, ".legendtext")] == [
+        "planned", "flown", "limit", "in contact",
+    ]  # fmt: skip
+    titles = charts.find_elements(By.CSS_SELECTOR, "[class*='xtitle'], [class^='x'][class*='title']")
+    assert "time [s]" in {one.text for one in titles}
+
+
+def test_the_page_has_the_ledger_of_claims(page: WebDriver) -> None:
+    rows = page.execute_script(
+        "return [...document.querySelectorAll('#claim-table tbody tr')].map((row) => [...row.cells].map((cell) => cell.textContent))"
+    )
+    plain = [
+        [one.source, one.claim, "".join(one.commands), one.value.replace("`", ""), said(one).replace("`", "")]
+        for one in load()
+    ]
+    assert rows == plain and len(rows) > 10
 
 
 def test_the_slider_moves_the_vehicle_as_planned(page: WebDriver, made: tuple[Path, Done]) -> None:

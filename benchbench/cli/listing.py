@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -41,10 +41,10 @@ class Row:
         return f"  {self.name:<{widths[0]}}  {self.origin:<{widths[1]}}  {here}{self.text}"
 
 
-def listing(arguments: Sequence[str]) -> Iterator[str]:
-    """Yield the lines of `benchbench plugins ARGUMENTS`. Raises BadInput for what does not exist."""
+def listing(arguments: Sequence[str], hear: Callable[[str], None] = lambda _: None) -> Iterator[str]:
+    """Yield the lines of `benchbench plugins ARGUMENTS`; `hear` is told what is tried. Raises BadInput for what does not exist."""
     if not arguments:
-        yield from _everything()
+        yield from _everything(hear)
         return
     family, _, name = arguments[0].partition("=")
     if family not in (*config.FAMILIES, "peer", *FLYING) or name not in config.choices(family):
@@ -57,9 +57,9 @@ def listing(arguments: Sequence[str]) -> Iterator[str]:
         yield from _options(config.compose("+scenario=static", *arguments))
 
 
-def _everything() -> Iterator[str]:
+def _everything(hear: Callable[[str], None]) -> Iterator[str]:
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
-        found = {family: _family(family) for family in (*config.FAMILIES, "peer", *FLYING)}
+        found = {family: _family(family, hear) for family in (*config.FAMILIES, "peer", *FLYING)}
     found |= {family: _registered(family) for family in ("contacts", "motions", "task_families")}
     found["scenarios"] = [*_own_kinds(), *_registered("scenarios")]
     widths = tuple(
@@ -70,13 +70,19 @@ def _everything() -> Iterator[str]:
         yield from (row.line(widths) for row in rows)  # type: ignore[arg-type]
 
 
-def _family(family: str) -> list[Row]:
+def _tried(name: str, fields: Any, here: Availability, hear: Callable[[str], None]) -> Availability:
+    """Whether a solver works, tried in a process of its own."""
+    hear(f"trying solver={name}")
+    return works(fields) if here.works else here
+
+
+def _family(family: str, hear: Callable[[str], None]) -> list[Row]:
     """Every choice of a configuration group; solvers are tried in child processes, two at a time."""
     configs = {name: _composed(family, name) for name in config.choices(family)}
     here = {name: _importable(fields) for name, fields in configs.items()}
     if family == "solver":
         with ThreadPoolExecutor(2) as pool:
-            tried = pool.map(lambda name: works(configs[name]) if here[name].works else here[name], configs)
+            tried = pool.map(lambda name: _tried(name, configs[name], here[name], hear), configs)
             here = dict(zip(configs, tried, strict=True))
     if family == "peer":
         here = {name: _peer(fields) if here[name].works else here[name] for name, fields in configs.items()}

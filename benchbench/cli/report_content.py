@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
@@ -14,6 +15,7 @@ from benchbench.analysis.costs import solve_time
 from benchbench.analysis.naming import name_runs
 from benchbench.errors import BadInput
 from benchbench.report.contact_window import contact_windows
+from benchbench.report.html.charts.convergence import Converged
 from benchbench.report.html.page import PlanView, Report
 from benchbench.report.html.plans.limits import limits
 from benchbench.report.html.plans.view import view
@@ -23,6 +25,7 @@ from benchbench.report.views import scene
 from benchbench.run.failure import reason
 from benchbench.run.stored import scene_parts
 from benchbench.storage.configuration import configuration
+from benchbench.storage.convergence import Iterate, read
 from benchbench.storage.files import PLAN
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.schema import Record
@@ -48,6 +51,8 @@ class Found(Protocol):
         """Files that could not be used."""
 
 
+LINES, TRIED = 8, 5
+"""Methods whose convergence is drawn, and problems that are looked at for some."""
 FACTS = {
     "travel time": ("travel_time_s", 1.0, "s"), "lower bound": ("lower_bound_s", 1.0, "s"),
     "best known": ("best_known_s", 1.0, "s"), "above it": ("gap_percent", 1.0, "%"),
@@ -95,7 +100,27 @@ def content(
     if not candidates:
         missing.append("No run has a recorded plan.")
     names = ", ".join(folder.resolve().name for folder in places)
-    return Report(title or f"Report on {names}", runs, settings, plans, missing, found.problems, rows)
+    converged = _converged(runs, found)
+    return Report(
+        title or f"Report on {names}", runs, settings, plans, missing, found.problems, rows, converged
+    )
+
+
+def _converged(runs: pd.DataFrame, found: Found) -> Converged | None:
+    """One run of at most `LINES` methods on the problem that most of them tell of; certified ones first."""
+    order = runs.assign(bad=~runs.certified.fillna(False).astype(bool)).sort_values("bad", kind="stable")
+    first = order.drop_duplicates(["problem", "method"])
+    for problem in first.problem.value_counts(sort=True).index[:TRIED]:
+        told: dict[str, list[Iterate]] = {}
+        for i in first.index[first.problem == problem][: 2 * LINES]:
+            with suppress(OSError, ValueError):
+                if _has_plan(found.folders[i]) and len(told) < LINES:
+                    told |= {
+                        str(runs.method[i]): one for one in [read(Path(found.folders[i] or "", PLAN))] if one
+                    }
+        if told:
+            return Converged(str(problem), told)
+    return None
 
 
 def best_first(runs: pd.DataFrame) -> list[int]:
@@ -120,6 +145,7 @@ def plan_view(record: Record, title: str, folder: Path | None) -> PlanView:
     scenario, model = scene_parts(tree)
     plan, flight = recording.plan, recording.flight
     windows = [(float(plan.time[a]), float(plan.time[b])) for a, b in contact_windows(plan)]
+    shown = scene(plan, scenario, model, flight)
     return PlanView(
         run_id=str(record["run_id"]),
         title=title,
@@ -127,8 +153,13 @@ def plan_view(record: Record, title: str, folder: Path | None) -> PlanView:
         reasons=record["reasons"] or (),
         advice=record["advice"] or "",
         facts=_facts(record),
-        view=view(scene(plan, scenario, model, flight)),
-        limits=limits(panels(scenario, plan, model, flight), windows, plan.travel_time),
+        view=view(shown),
+        limits=limits(
+            panels(scenario, plan, model, flight),
+            windows,
+            plan.travel_time,
+            "at a gate" if shown.marks.coloured else "in contact",
+        ),
         config=yaml.safe_dump(tree, sort_keys=False),
     )
 

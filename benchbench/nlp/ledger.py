@@ -18,13 +18,14 @@ SHORTEST = 0.1
 class Spent:
     """CPU seconds of one solve; `functions` is None where the backend does not tell function evaluations apart.
 
-    guess: it only made an initial guess.
+    guess: it only made an initial guess; trace: objective and violation by iteration, as in `Outcome`.
     """
 
     stage: str
     total: float
     functions: float | None
     guess: bool = False
+    trace: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -100,7 +101,7 @@ class Ledger:
     def count(self, outcome: Outcome, stage: str = "") -> None:
         """Add a solve."""
         functions = sum(outcome.times.values()) if outcome.times else None
-        self.solves.append(Spent(stage, outcome.cpu_s, functions, self.guesses))
+        self.solves.append(Spent(stage, outcome.cpu_s, functions, self.guesses, outcome.trace))
         self.iterations += outcome.iterations
         self.evaluations += outcome.evaluations
 

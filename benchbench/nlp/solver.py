@@ -34,6 +34,7 @@ class Outcome:
 
     `detail` is the backend's own status text, `evaluations` the calls of objective, constraints, their
     derivatives and the Hessian, `times` their CPU seconds by function; empty where the backend does not tell.
+    `trace` is the objective and the worst constraint violation at each iteration, from the start on; empty likewise.
     """
 
     claim: Claim
@@ -44,6 +45,7 @@ class Outcome:
     cpu_s: float
     detail: str = ""
     times: Mapping[str, float] = field(default_factory=dict)
+    trace: tuple[tuple[float, float], ...] = ()
 
 
 Warmth = Literal["no", "near", "prolongated"]

@@ -11,6 +11,7 @@ import numpy as np
 from benchbench.certificate.certificate import Certificate
 from benchbench.mpcc.problem import evaluate
 from benchbench.nlp.ledger import Ledger
+from benchbench.nlp.reference import Reference
 from benchbench.nlp.solver import Claim
 from benchbench.planning.case import AnyCase
 from benchbench.planning.result import Result, Solution
@@ -60,6 +61,7 @@ def spread(timed: Sequence[Ledger]) -> dict[str, Any]:
         "solve_cpu_median_s": median(solves),
         "solve_cpu_low_s": min(solves),
         "solve_cpu_high_s": max(solves),
+        "reference_cpu_s": Reference().cpu_s() if len(timed) > 1 else None,
     }
 
 

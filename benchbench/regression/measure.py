@@ -9,8 +9,8 @@ from typing import Any
 from benchbench import pipeline
 from benchbench.errors import BadInput
 from benchbench.nlp.ledger import Ledger
+from benchbench.nlp.reference import Reference
 from benchbench.planning.case import Case
-from benchbench.regression.reference import Reference
 from benchbench.run import config
 from benchbench.run.flying import campaign
 

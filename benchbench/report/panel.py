@@ -18,6 +18,11 @@ from benchbench.report.style import CONTACT, CURVES, INK, LIMIT
 Points = tuple[Array, Array]
 """Times (n,) in s and values (n,)."""
 
+PERIOD = 12.0
+"""Length of the dashes of curves that coincide, in line widths."""
+COINCIDE, MOST = 0.01, 0.5
+"""Curves coincide where they are nearer than this share of the panel's height for more than that share of the time."""
+
 
 @dataclass(frozen=True)
 class Band:
@@ -54,12 +59,43 @@ class Panel:
     note: str = ""
 
 
+def dashes(panel: Panel, period: float) -> list[tuple[float, float] | None]:
+    """Return on and off lengths for each curve that lies on others, None for a solid line.
+
+    Those that coincide take turns: the first is solid, each later one covers less of the period, so that all colours are seen.
+    """
+    groups: list[list[int]] = []
+    low, high = span(panel)
+    for i, curve in enumerate(panel.curves):
+        same = (
+            group for group in groups if _coincide(panel.curves[group[0]], curve, COINCIDE * (high - low))
+        )
+        group = next(same, None)
+        if group is None:
+            groups.append([i])
+        else:
+            group.append(i)
+    found: list[tuple[float, float] | None] = [None] * len(panel.curves)
+    for group in groups:
+        for place, i in enumerate(group[1:], 1):
+            on = period * (len(group) - place) / len(group)
+            found[i] = (on, period - on)
+    return found
+
+
+def _coincide(one: Curve, other: Curve, near: float) -> bool:
+    """Whether a curve is drawn over another one for most of its time."""
+    if one.line[1].shape != other.line[1].shape:
+        return False
+    return bool(np.mean(np.abs(one.line[1] - other.line[1]) < near) > MOST)
+
+
 def draw_panel(axes: Axes, panel: Panel, windows: Sequence[tuple[float, float]], travel_time: float) -> None:
     """Draw a panel; `windows` are the times (s) in contact."""
     axes.set_title(f"{panel.title}  [{panel.unit}]", y=1.0)  # y given: not looked for above the ticks
     shade(axes, windows)
-    for curve, color in zip(panel.curves, _colors(panel), strict=True):
-        axes.plot(*curve.line, color=color, linewidth=1.1, zorder=3)
+    for curve, color, dash in zip(panel.curves, _colors(panel), dashes(panel, PERIOD), strict=True):
+        axes.plot(*curve.line, color=color, linewidth=1.1, zorder=3, linestyle=(0, dash) if dash else "-")
         if curve.dots is not None:
             size = np.clip(150 / len(curve.dots[0]), 2.5, 5.5)
             axes.plot(*curve.dots, ".", color=color, markersize=size, markeredgewidth=0, zorder=3)

@@ -19,10 +19,11 @@ SILENT_S, LONGEST_S = 2.0, 30.0
 class Working:
     """A context that is called with what is done now, in a few words; nothing of it is left on a terminal, nor on stdout."""
 
-    def __init__(self, what: str) -> None:
-        """Begin with what the command does as a whole."""
+    def __init__(self, what: str, live: bool = True) -> None:
+        """Begin with what the command does as a whole; live: show a line on a terminal, where nothing else does."""
         self._text, self._told = what, ""
         self._console = Console(stderr=True, highlight=False)
+        self._live, self._piped = live and self._console.is_terminal, not self._console.is_terminal
         self._bar = Progress(
             SpinnerColumn("line"),
             TextColumn("{task.description}", markup=False, table_column=Column(no_wrap=True, overflow="ellipsis")),
@@ -35,14 +36,14 @@ class Working:
     def __call__(self, text: str) -> None:
         """Say what is done now."""
         self._text = text
-        if self._console.is_terminal:
+        if self._live:
             self._bar.update(self._task, description=text)
 
     def __enter__(self) -> Self:
         """Start showing."""
-        if self._console.is_terminal:
+        if self._live:
             self._bar.start()
-        else:
+        if self._piped:
             self._thread.start()
         return self
 
@@ -51,9 +52,9 @@ class Working:
     ) -> None:
         """Remove the line."""
         self._over.set()
-        if self._console.is_terminal:
+        if self._live:
             self._bar.stop()
-        else:
+        if self._piped:
             self._thread.join()
 
     def _lines(self) -> None:

@@ -95,6 +95,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("solve_cpu_median_s", "float", "s", "median CPU time of the solves of the repeats"),
     Column("solve_cpu_low_s", "float", "s", "smallest CPU time of the solves of the repeats"),
     Column("solve_cpu_high_s", "float", "s", "largest CPU time of the solves of the repeats"),
+    Column("reference_cpu_s", "float", "s", "CPU time of a fixed reference solve beside the repeats, which tells a loaded or slow machine from slow code; empty without repeats"),
     Column("peak_memory_mb", "float", "MB", "largest resident memory of the run's process (1 MB = 10^6 bytes)"),
     Column("derivatives_cpu_s", "float", "s", "part of build_cpu_s: derivatives of the blocks, taken, compiled or read from the cache"),
     Column("interpreted_blocks", "int", "", "blocks that could not be compiled and stayed interpreted: no compiler, it failed, or half of time_limit was not enough for it"),

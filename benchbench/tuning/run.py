@@ -10,6 +10,7 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from benchbench.run.working import Working
 from benchbench.storage.files import RECORD
 from benchbench.tuning import outcome
 from benchbench.tuning.begun import bury, check_same
@@ -42,7 +43,9 @@ def run(
         first = counts.get(trial, 0)
         counts[trial] = first + len(runs)
         place = folder / "trials" / str(trial)
-        launch(place, runs, first)
+        what = f"trial {trial}: {len(runs)} of {len(space.problems)} plans"
+        with Working(what, live=False):  # a terminal shows the runs
+            launch(place, runs, first)
         return [_record(place / str(first + n) / RECORD) for n in range(len(runs))]
 
     search(task, study, space, plan, console.print, folder)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 
 from benchbench.cli.arguments import Parser
@@ -35,18 +34,12 @@ def run(arguments: Sequence[str]) -> int:
     """Print the list; a solver that is not available here is told as such, it is no error. Raises BadInput."""
     from benchbench.cli.listing import listing
     from benchbench.cli.remembered import keep
+    from benchbench.run.working import Working
 
     asked = parser().parse_args(arguments)
-    if not asked.choice:
-        print(
-            "trying every solver, which takes a while; what is found is remembered",
-            file=sys.stderr,
-            flush=True,
-        )
-    lines = []
-    for line in listing([asked.choice] if asked.choice else []):
-        print(line)
-        lines.append(line)
+    with Working("trying every plugin; what is found is remembered") as hear:
+        lines = [*listing([asked.choice] if asked.choice else [], hear)]
+    print("\n".join(lines))
     if not asked.choice:
         keep(REMEMBERED, lines)
     return 0

@@ -80,26 +80,22 @@ def _check_names(matrix: Matrix, old: dict[str, Measured], update: bool) -> None
 
 def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> tuple[dict[str, Measured], dict[str, str]]:
     """What each case gave, and why those that need something that is not installed gave nothing."""
-    from rich.console import Console
-    from rich.progress import track
-
+    from benchbench.nlp.reference import Reference
     from benchbench.regression.measure import measure
-    from benchbench.regression.reference import Reference
+    from benchbench.run.working import Working
 
-    reference = Reference()
-    reference.cpu_s()
-    console = Console(stderr=True)
-    names = track(matrix.cases, "regression matrix", console=console, disable=not console.is_terminal)
     entries, missing = {}, {}
-    for name in names:
-        try:
-            entries[name] = measure(
-                [*matrix.cases[name], *matrix.common, *overrides], matrix.repeats, reference
-            )
-        except Unavailable as error:
-            if not any(text.startswith("flights=") for text in matrix.cases[name]):
-                raise
-            missing[name] = str(error)
+    with Working("the reference solve") as hear:
+        reference = Reference()
+        reference.cpu_s()
+        for number, (name, case) in enumerate(matrix.cases.items(), 1):
+            hear(f"case {number} of {len(matrix.cases)}: {name}")
+            try:
+                entries[name] = measure([*case, *matrix.common, *overrides], matrix.repeats, reference)
+            except Unavailable as error:
+                if not any(text.startswith("flights=") for text in case):
+                    raise
+                missing[name] = str(error)
     return entries, missing
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -12,13 +15,24 @@ import pandas as pd
 import plotly.graph_objects as go
 import plotly.io
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 from plotly.offline import get_plotlyjs
 
 from benchbench import __version__
 from benchbench.analysis.races import races
+from benchbench.report.claims import Claim, load, said
 from benchbench.report.html import room, tables
-from benchbench.report.html.charts import cost_split, failures, flights, profiles, travel_time, work_precision
+from benchbench.report.html.charts import (
+    convergence,
+    cost_split,
+    drift,
+    failures,
+    flights,
+    profiles,
+    slack,
+    travel_time,
+    work_precision,
+)
 from benchbench.report.html.charts import success as successes
 from benchbench.report.html.charts.chart import Chart, styles
 from benchbench.report.html.race_table import race_rows
@@ -57,6 +71,8 @@ class Report:
     missing   why other plans are not shown, one sentence each
     problems  files that could not be used
     rows      largest number of runs in the list
+    converged how methods converged on one problem, None where nothing is known of it
+    claims    what the paper claims, and what came of it
     """
 
     title: str
@@ -66,6 +82,8 @@ class Report:
     missing: Sequence[str]
     problems: Mapping[Path, str]
     rows: int = room.ROWS
+    converged: convergence.Converged | None = None
+    claims: Sequence[Claim] = field(default_factory=load)
 
 
 def render(report: Report) -> str:
@@ -85,7 +103,9 @@ def render(report: Report) -> str:
             left_out=left_out,
             unlisted=unlisted,
             most_files=room.FILES,
-            sections=_sections(some),
+            sections=(sections := _sections(report, some, settings)),
+            menu=[name for name, charts in sections.items() if any(chart.figure for chart in charts)],
+            said=said,
             success_rows=tables.success_rows(some),
             race_gates=race_gates,
             race_rows=raced,
@@ -107,7 +127,12 @@ def environment() -> Environment:
         loader=PackageLoader("benchbench.report.html", "templates"), autoescape=True, undefined=StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
-    found.filters |= {"figure": _figure, "inline": _inline}
+    found.filters |= {
+        "figure": _figure,
+        "inline": _inline,
+        "marked": _marked,
+        "packed_figure": _packed_figure,
+    }
     return found
 
 
@@ -117,12 +142,15 @@ def stamp() -> dict[str, str]:
 
 
 def plotly_library() -> Markup:
-    """The drawing library itself, to stand in a script element."""
-    return Markup(get_plotlyjs())
+    """The drawing library itself, packed, to stand in a script element."""
+    return packed(get_plotlyjs())
 
 
-def _sections(runs: pd.DataFrame) -> dict[str, list[Chart]]:
-    style = styles(runs.method)
+def _sections(
+    report: Report, runs: pd.DataFrame, settings: Sequence[Mapping[str, Any] | None]
+) -> dict[str, list[Chart]]:
+    style = styles([*runs.method, *(report.converged.runs if report.converged else ())])
+    slacks = list(slack.charts(runs, settings))
     return {
         "success": [successes.chart(runs), failures.chart(runs)],
         **({"flights": [flights.chart(runs)]} if flights.flown(runs) else {}),
@@ -130,13 +158,17 @@ def _sections(runs: pd.DataFrame) -> dict[str, list[Chart]]:
             profiles.performance(runs, style),
             profiles.data(runs, style),
             work_precision.chart(runs, style),
+            work_precision.travel_time(runs, style),
+            *([convergence.chart(report.converged, style)] if report.converged else []),
             cost_split.work(runs),
             cost_split.steps(runs),
+            *drift.charts(runs),
         ],
         "travel time": [
             travel_time.chart(runs, style, "kappa_init"),
             travel_time.chart(runs, style, "intervals"),
         ],
+        **({"slack": slacks} if slacks else {}),
     }
 
 
@@ -157,11 +189,26 @@ def _time_limit(settings: Sequence[Mapping[str, Any] | None]) -> float | None:
     return max((float(limit) for limit in limits if isinstance(limit, int | float)), default=None)
 
 
+def packed(text: str) -> Markup:
+    """A text gzipped, in base64: a browser unpacks it at once, and the page takes a third of the space."""
+    return Markup(base64.b64encode(gzip.compress(text.encode(), 9, mtime=0)).decode())
+
+
+def _packed_figure(figure: go.Figure) -> Markup:
+    return packed(str(_figure(figure)))
+
+
 def _figure(figure: go.Figure) -> Markup:
     """A figure as JSON that may stand in a script element."""
     text = plotly.io.to_json(figure, validate=False)
     values = f'{text[:-1]}, "config": {plotly.io.json.to_json_plotly(CONFIG)}}}'
     return Markup(values.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e"))
+
+
+def _marked(text: str) -> Markup:
+    """Markdown of one line: code in backticks, and of links their texts."""
+    plain = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
+    return Markup(re.sub(r"`([^`]*)`", r"<code>\1</code>", str(escape(plain))))
 
 
 def _inline(name: str) -> Markup:

@@ -195,6 +195,7 @@ def _run(
         cpu_s=spent,
         detail=str(stats.get("return_status", stats["unified_return_status"])),
         times=function_times(stats),
+        trace=_trace(stats),
     )  # fmt: skip
 
 
@@ -218,6 +219,13 @@ def function_times(stats: Mapping[str, Any]) -> dict[str, float]:
     """CPU seconds of function evaluations by function."""
     timed = ("t_proc_nlp", "t_proc_fwd1_nlp")
     return {k.removeprefix("t_proc_"): float(v) for k, v in stats.items() if k.startswith(timed)}
+
+
+def _trace(stats: Mapping[str, Any]) -> tuple[tuple[float, float], ...]:
+    """Objective and violation by iteration, where the plugin keeps them (IPOPT)."""
+    kept = stats.get("iterations")
+    told = kept if isinstance(kept, Mapping) else {}
+    return tuple(zip(map(float, told.get("obj", ())), map(float, told.get("inf_pr", ())), strict=False))
 
 
 def claim(stats: Mapping[str, Any], claims: Mapping[str, Claim]) -> Claim:

@@ -103,6 +103,14 @@ def line(style: Style) -> dict[str, object]:
     return {"color": style.color, "dash": style.dash, "width": 2}
 
 
+def counting(made: go.Figure, axis: str, most: float) -> None:
+    """Make an axis from 0 count: whole numbers only, however few there are."""
+    step = next(s * 10**p for p in range(12) for s in (1, 2, 5) if most <= 8 * s * 10**p)
+    made.update_layout(
+        {axis: {"tickmode": "linear", "tick0": 0, "dtick": step, "tickformat": "d", "rangemode": "tozero"}}
+    )
+
+
 def logarithmic(made: go.Figure, axis: str, values: Iterable[float]) -> None:
     """Make an axis logarithmic, with labels at powers of ten, or at 1, 2, 5 where the values span few of them."""
     known = [value for value in values if value > 0]

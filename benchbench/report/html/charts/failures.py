@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import pandas as pd
 
-from benchbench.report.html.charts.chart import Chart, bars, wrapped
+from benchbench.report.html.charts.chart import Chart, bars, counting, wrapped
 from benchbench.report.style import GOOD
 from benchbench.storage.status import Status
 
+# Chosen one after the other, each as far as can be from those before, also as red-green blind readers see them (tests/test_colours.py).
 COLORS = dict(
     zip(
         Status,
-        (GOOD, "#E69F00", "#D55E00", "#CC79A7", "#F0A5C8", "#8A5A9E", "#1A1A1A", "#5B4636", "#7FB7BE", "#9A9A9A", "#C4C4C4", "#D9C77E", "#B22222"),
+        (GOOD, "#E69F00", "#D55E00", "#0DB1F2", "#0D4EC1", "#0D2E5F", "#6F0D0D", "#D1905F", "#E2E27F", "#4E90A0", "#2EC1A0", "#7FF2B1", "#0D0DF2"),
         strict=True,
     )
 )  # fmt: skip
@@ -35,5 +36,5 @@ def chart(runs: pd.DataFrame) -> Chart:
                 marker={"color": COLORS.get(status, "#DDDDDD")},
                 hovertemplate="%{x} runs<extra>" + str(status) + "</extra>",
             )  # fmt: skip
-    made.update_xaxes(tickformat="d")
+    counting(made, "xaxis", float(table.sum(axis=1).max()))
     return Chart("How the runs ended", text, made)

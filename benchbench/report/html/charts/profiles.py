@@ -90,4 +90,5 @@ def _draw(
     logarithmic(made, "xaxis", [left, right])
     made.update_xaxes(range=np.log10([left, right]).tolist())
     made.update_yaxes(range=[-2, 103])
+    made.update_layout(showlegend=True)  # of one method, too
     return Chart(chart.title, chart.text, made)

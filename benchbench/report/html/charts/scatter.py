@@ -7,6 +7,11 @@ import plotly.graph_objects as go
 
 from benchbench.report.html.charts.chart import Style, Styles, line
 
+SHARED, MOST_NAMES = 0.06, 12
+"""Share of the height within which the names of lines would hide each other; how many are written."""
+ROOM_LEFT, ROOM_RIGHT = 0.06, 0.6
+"""Room beside the lines, the right for their names, as shares of their width."""
+
 
 def add_runs(made: go.Figure, runs: pd.DataFrame, x: str, y: str, styles: Styles) -> None:
     """Add the runs of each method and series; points of a series (column `series`) are joined by a line."""
@@ -18,6 +23,37 @@ def add_runs(made: go.Figure, runs: pd.DataFrame, x: str, y: str, styles: Styles
         traces.append(_trace(method, some.sort_values(x), x, y, styles[method], method not in seen))
         seen.add(method)
     made.add_traces(traces)
+    made.update_layout(showlegend=True)  # of one method, too
+
+
+def name_tasks(made: go.Figure, runs: pd.DataFrame, x: str, y: str) -> None:
+    """Write at the right end of the lines which task they are of, where there are several; those that end near each other share a line."""
+    if runs.task.nunique() < 2:
+        return
+    last = runs.sort_values(x).groupby("task", sort=False).tail(1)
+    ends = sorted(zip(last[y].astype(float), last[x].astype(float), last.task.astype(str), strict=True))
+    near = SHARED * (float(runs[y].max()) - float(runs[y].min()) or 1.0)
+    places: list[tuple[float, float, list[str]]] = []
+    for height, end, task in ends[:MOST_NAMES]:
+        if places and height - places[-1][0] < near:
+            places[-1] = (places[-1][0], max(places[-1][1], end), [*places[-1][2], task])
+        else:
+            places.append((height, end, [task]))
+    for height, end, tasks in places:
+        made.add_annotation(
+            x=end,
+            y=height,
+            text="<br>".join(tasks),
+            showarrow=False,
+            xanchor="left",
+            xshift=8,
+            align="left",
+            font={"size": 11},
+            name="task",
+        )
+    low, high = float(runs[x].min()), float(runs[x].max())
+    width = high - low or 1.0
+    made.update_xaxes(range=[low - ROOM_LEFT * width, high + ROOM_RIGHT * width])
 
 
 def _trace(method: str, some: pd.DataFrame, x: str, y: str, style: Style, first: bool) -> go.Scatter:

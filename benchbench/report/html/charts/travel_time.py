@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from benchbench.report.html.charts.chart import Chart, Styles, figure
-from benchbench.report.html.charts.scatter import add_runs
+from benchbench.report.html.charts.scatter import add_runs, name_tasks
 from benchbench.report.html.room import drawn
 
 AXES = {"kappa_init": "κ_init (nodes in contact)", "intervals": "N (intervals)"}
@@ -26,11 +26,13 @@ def chart(runs: pd.DataFrame, styles: Styles, over: str) -> Chart:
     known, said = drawn(known)
     made = figure(AXES[over], "travel time [s]", names=known.method.unique())
     add_runs(
-        made, known.assign(series=known.task + known[OTHER[over]].astype(str)), over, "travel_time_s", styles
+        made, known.assign(series=known.task + known[OTHER[over]].map(str)), over, "travel_time_s", styles
     )
     values = sorted(known[over].astype(int).unique().tolist())
     if len(values) <= 12:
         made.update_xaxes(tickvals=values)
     if len(values) == 1:
         made.update_xaxes(range=[values[0] - 1, values[0] + 1])
+    made.update_xaxes(tickformat="d")
+    name_tasks(made, known, over, "travel_time_s")
     return Chart(title, text + said, made)

@@ -1,14 +1,17 @@
-"""Work against precision: what a smaller certified error costs."""
+"""Work against precision: what a smaller error costs, of one interval and of the certified travel time."""
 
 from __future__ import annotations
 
 import pandas as pd
 
+from benchbench.analysis.reference_times import travel_time_errors
 from benchbench.report.html.charts.chart import Chart, Styles, figure, logarithmic
 from benchbench.report.html.charts.scatter import add_runs
 from benchbench.report.html.room import drawn
 
-ERROR, WORK = "replay_defect_position_m", "solve_s"
+ERROR, WORK, TIME_ERROR = "replay_defect_position_m", "solve_s", "travel_time_error"
+LEAST = 1e-7
+"""Smallest relative error of a travel time that is drawn: the accuracy of the best solves."""
 
 
 def chart(runs: pd.DataFrame, styles: Styles) -> Chart:
@@ -24,7 +27,26 @@ def chart(runs: pd.DataFrame, styles: Styles) -> Chart:
         return Chart(title, text, missing="No run has a plan whose error was measured.")
     known, said = drawn(known)
     made = figure("replay error of one interval [m]", "CPU time [s]", names=known.method.unique())
-    add_runs(made, known.assign(series=known.task + known.kappa_init.astype(str)), ERROR, WORK, styles)
+    add_runs(made, known.assign(series=known.task + known.kappa_init.map(str)), ERROR, WORK, styles)
     logarithmic(made, "xaxis", known[ERROR])
+    logarithmic(made, "yaxis", known[WORK])
+    return Chart(title, text + said, made)
+
+
+def travel_time(runs: pd.DataFrame, styles: Styles) -> Chart:
+    """Draw CPU time over the error of the certified travel time; a line joins the grids of one task."""
+    title = "Work and precision of the travel time"
+    text = (
+        "CPU time in the solver over the relative distance of the certified travel time from the best one of the task on the finest grid. "
+        f"Certified plans only; what is nearer than {LEAST:g} stands at the left edge, such as that best one itself. Towards the lower left is better."
+    )
+    known = runs.assign(**{TIME_ERROR: travel_time_errors(runs).clip(lower=LEAST)})
+    known = known[known[TIME_ERROR].notna() & (known[WORK] > 0)]
+    if known.empty or known.groupby([known.task, known.kappa_init.map(str)]).size().max() < 2:
+        return Chart(title, text, missing="No task has two certified plans.")
+    known, said = drawn(known)
+    made = figure("relative error of the travel time", "CPU time [s]", names=known.method.unique())
+    add_runs(made, known.assign(series=known.task + known.kappa_init.map(str)), TIME_ERROR, WORK, styles)
+    logarithmic(made, "xaxis", known[TIME_ERROR])
     logarithmic(made, "yaxis", known[WORK])
     return Chart(title, text + said, made)

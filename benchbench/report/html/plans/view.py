@@ -17,7 +17,7 @@ FRAMES = 60
 MARGIN_M = 0.15
 ABOVE = (0.0, 0.0, 0.6)
 """Where the number of a gate stands, from its centre, m."""
-DIAGONAL, LONGEST = 2.1, 1.6
+DIAGONAL, LONGEST = 1.95, 1.5
 """Diagonal of the space and its longest axis, in Plotly's unit; more leaves the picture."""
 UNDER_SPACE = {"len": 0.35, "x": 0.5, "xanchor": "center", "y": 0.075, "yanchor": "bottom"}
 """Where the colours of a race are explained: between the buttons and the time."""

@@ -1,10 +1,18 @@
 "use strict";
 // Draws the figures, and the plan that is open; one 3D view at a time, since browsers allow few.
-(() => {
-  const read = (element) => JSON.parse(element.textContent);
+(async () => {
+  // gzip in base64: a page with everything in it would be three times as large
+  const unpacked = (element) => {
+    const bytes = Uint8Array.from(atob(element.textContent), (letter) => letter.charCodeAt(0));
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  };
+
+  const library = document.createElement("script");
+  library.textContent = await unpacked(document.getElementById("plotly"));
+  document.head.append(library);
 
   for (const place of document.querySelectorAll(".figure")) {
-    const figure = read(place.firstElementChild);
+    const figure = JSON.parse(place.firstElementChild.textContent);
     place.replaceChildren();
     Plotly.newPlot(place, figure);
   }
@@ -27,8 +35,10 @@
   const open = async (plan) => {
     if (!plan.querySelector(".view")) return; // a plan for which there was no room
     const view = plan.querySelector(".view"), limits = plan.querySelector(".limits");
-    await Plotly.newPlot(limits, read(plan.querySelector(".limits-data")));
-    await Plotly.newPlot(view, fitted(read(plan.querySelector(".view-data")), view.clientWidth));
+    const [shown, limited] = await Promise.all([".view-data", ".limits-data"].map((name) => unpacked(plan.querySelector(name))));
+    if (!plan.open) return; // closed meanwhile
+    await Plotly.newPlot(limits, JSON.parse(limited));
+    await Plotly.newPlot(view, fitted(JSON.parse(shown), view.clientWidth));
     view.on("plotly_animatingframe", (event) => moveCursor(limits, Number(event.name)));
     plan.dataset.drawn = "yes";
   };

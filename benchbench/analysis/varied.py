@@ -1,0 +1,67 @@
+"""Runs that differ in one number of the task alone: what it costs in travel time."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+SLACK = re.compile(
+    r"scenario\.contacts\.\w+\.(?!weight)\w+|certificate\.[\w.]+|scenario\.(?:c_limit|contact_seconds|gate_radius|radius_m?)"
+)
+"""Fields by which a task is made looser: limits of contacts (nu_max, c_limit), tolerances of the certificate."""
+NO_SLACK = ("certificate._target_", "certificate.stationarity", "certificate.stationarity_seconds")
+
+
+def slacks(settings: Sequence[Mapping[str, Any] | None]) -> list[str]:
+    """Return the numeric fields of slack in which runs differ, by name."""
+    values: dict[str, set[float]] = {}
+    for one in settings:
+        for name, value in (one or {}).items():
+            if SLACK.fullmatch(name) and name not in NO_SLACK and _is_number(value):
+                values.setdefault(name, set()).add(float(value))
+    return sorted(name for name, found in values.items() if len(found) > 1)
+
+
+def varied(runs: pd.DataFrame, settings: Sequence[Mapping[str, Any] | None], field: str) -> pd.DataFrame:
+    """Return the certified runs that have the field, with its `value` and `line`: what is the same for all else.
+
+    runs: with `method` and `travel_time_s`. Lines of one value alone are left out; of several runs at one value the fastest stays.
+    """
+    certified = runs.certified.fillna(False).astype(bool)
+    rows = []
+    for i, (one, good) in enumerate(zip(settings, certified, strict=True)):
+        if one is not None and good and _is_number(one.get(field)):
+            rest = _rest(one, field)
+            rows.append(
+                (
+                    float(one[field]),
+                    str(rest),
+                    str(runs.scenario.iloc[i]),
+                    runs.method.iloc[i],
+                    runs.travel_time_s.iloc[i],
+                )
+            )
+    found = pd.DataFrame(rows, columns=["value", "rest", "scenario", "method", "travel_time_s"])
+    best = found.groupby(["rest", "scenario", "value"], as_index=False, sort=False).agg(
+        {"travel_time_s": "min", "method": "first"}
+    )
+    return best[best.groupby("rest").value.transform("nunique") > 1].sort_values(["rest", "value"])
+
+
+def _rest(one: Mapping[str, Any], field: str) -> tuple[tuple[str, str], ...]:
+    """All else that decides a travel time."""
+    families = ("scenario.", "vehicle.", "dynamics.", "certificate.", "strategy.", "relaxation.", "solver.")
+    return tuple(
+        sorted(
+            (k, str(v))
+            for k, v in one.items()
+            if k != field and (k.startswith(families) or k in ("accuracy", "seed"))
+        )
+    )
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
