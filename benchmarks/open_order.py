@@ -23,7 +23,7 @@ from benchbench.storage.table import read
 SCENARIOS = "two_free,first_robot,detour"
 RIGHT = {"two_free": "[bench,cart]", "first_robot": "[far]", "detour": "[cart]"}
 """The sequences that the enumeration finds best."""
-BOTH = "strategy=relax relaxation=scholtes,fischer_burmeister"
+BOTH = "strategy=relax strategy.margin=0 relaxation=scholtes,fischer_burmeister"
 SWEEPS = {
     "own grid": {
         "sequences": f"+scenario=delivery,{SCENARIOS} strategy=sequences",
@@ -39,8 +39,8 @@ SWEEPS = {
     },
     "N = 12, kappa_init = 1": {
         "sequences": f"+scenario={SCENARIOS} strategy=sequences strategy.margin=0",
-        "scholtes": f"+scenario={SCENARIOS} strategy=relax relaxation=scholtes guess=neutral,phases",
-        "bonmin": f"+scenario={SCENARIOS} strategy=relax relaxation=direct solver=bonmin guess=neutral,phases",
+        "scholtes": f"+scenario={SCENARIOS} strategy=relax strategy.margin=0 relaxation=scholtes guess=neutral,phases",
+        "bonmin": f"+scenario={SCENARIOS} strategy=relax strategy.margin=0 relaxation=direct solver=bonmin guess=neutral,phases",
     },
 }
 """Overrides by table and method."""

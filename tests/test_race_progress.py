@@ -26,8 +26,9 @@ from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race
 from benchbench.planning import posing
 from benchbench.planning.case import Case
+from benchbench.planning.ladder import from_phases
 from benchbench.planning.search import Candidate, Found, best_first
-from benchbench.planning.strategy import from_phases, pose
+from benchbench.planning.strategy import pose
 from benchbench.run import config
 
 TWO = ("scenario.gates=2", "scenario.nodes_per_gate=20")

@@ -320,7 +320,11 @@ def test_pympcc_comes_to_the_same_b_stationarity() -> None:
 def test_a_relaxed_flight_is_stationary_and_says_so() -> None:
     """A solution of Scholtes' relaxation for small sigma is near an S-stationary point where MPCC-LICQ holds."""
     case = config.compose(
-        "+scenario=static", "scenario.intervals=20", "strategy=relax", "certificate.stationarity=on"
+        "+scenario=static",
+        "scenario.intervals=20",
+        "strategy=relax",
+        "strategy.margin=0",
+        "certificate.stationarity=on",
     )
     record = pipeline.run(case).record
     assert record["claimed_success"]

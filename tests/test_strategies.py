@@ -157,6 +157,42 @@ def test_searching_for_windows_refuses_what_windows_do_not_say(
     assert not ledger.solves
 
 
+def test_relaxations_refuse_a_contact_that_lasts_for_seconds() -> None:
+    case, ledger = composing.case_of("+scenario=delivery", "strategy=relax", "guess=line"), Ledger(60.0)
+    with pytest.raises(IncompatibleCase, match=r"belt_contact at kappa_init nodes, not for 0\.2 s"):
+        planned(case.strategy, case, ledger)
+    assert not ledger.solves
+
+
+@pytest.mark.parametrize(
+    ("strategy", "intervals"), [("relax", 50), ("enumeration strategy.levels=1 dynamics=trapezoidal", 60)]
+)
+def test_where_the_certificate_refuses_a_strategy_goes_on_in_its_own_form(
+    strategy: str, intervals: int
+) -> None:
+    """On a grid that is too coarse for either: with margins or on a finer one, equal steps still, and its travel time is comparable."""
+    case = composing.case_of(
+        "+scenario=static", *f"strategy={strategy}".split(), f"scenario.intervals={intervals}"
+    )
+    found = solve(case)
+    assert judge(found, case, Ledger(60.0)).certified and found.refined
+    steps = np.diff(found.plan.time)
+    assert found.plan.intervals > intervals and steps == pytest.approx(steps[0], rel=1e-6)
+    told = found.account["refinement"]
+    assert told[0].startswith(f"N = {intervals}") and told[-1].endswith("certified")
+    assert "certified" not in told[0]
+
+
+def test_with_stages_a_relaxation_begins_on_a_coarse_grid() -> None:
+    """A cold solve of it on the grid itself may not end; the last sigma from the coarse plan does."""
+    case = case_of("strategy=relax", "dynamics=hermite_simpson", "scenario.intervals=32")
+    ledger = Ledger(60.0)
+    found = planned(case.strategy, case, ledger)
+    stages = [spent.stage for spent in ledger.solves]
+    assert found.claimed and stages.count("relaxation") == len(case.relaxation.schedule)
+    assert stages[stages.index("N = 32") - 1] == "relaxation" and ledger.relaxed
+
+
 @pytest.mark.parametrize("seed", [4, 7])
 def test_phases_finds_the_best_known_plan_from_a_disturbed_start(seed: int) -> None:
     """Two of the 90 runs of docs/strategies.md, on the default grid."""
@@ -167,9 +203,9 @@ def test_phases_finds_the_best_known_plan_from_a_disturbed_start(seed: int) -> N
 
 def test_polish_moves_an_early_contact_to_the_best_window() -> None:
     early = ("guess=line", "scenario.contact_guess=0.2", "scenario.intervals=20")
-    relaxed = solve(case_of("strategy=relax", *early))
-    polished, best = (
-        solve(case_of(f"strategy={name}", "strategy.margin=0", *early)) for name in ("polish", "enumeration")
+    relaxed, polished, best = (
+        solve(case_of(f"strategy={name}", "strategy.margin=0", *more, *early))
+        for name, *more in (["relax"], ["polish", "strategy.after.margin=0"], ["enumeration"])
     )
     assert polished.plan.contacts == best.plan.contacts != relaxed.plan.contacts
     assert polished.objective == pytest.approx(best.objective, rel=1e-6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from benchbench.certificate.certificate import Certificate
@@ -14,6 +15,8 @@ CHEAP = {"rate_margin": 0.02, "contact_margin": 0.5}
 
 On `circle` 1 % of the arm's rate costs 1 to 2 ms of travel time, 1 % of the distance in contact 0.05 ms.
 """
+EQUAL = {"rate_margin": 0.05, "contact_margin": 0.5}
+"""The same where a finer grid has all intervals halved."""
 ALONG = 0.01
 """The same of a contact's condition that is kept along the path: 1 % of the speed of approach costs 9 ms there."""
 AHEAD = 0.1
@@ -32,6 +35,7 @@ class Round:
     most        largest margin beyond those
     may_refine  whether there may be a finer grid
     raised      how often margins were raised on this grid
+    cheap       share of a limit up to which a margin is taken rather than a finer grid
     correctable, corrected  whether the error of the transcription may be taken off its equations, and whether it was
     """
 
@@ -42,6 +46,7 @@ class Round:
     raised: int = 0
     correctable: bool = False
     corrected: bool = False
+    cheap: Mapping[str, float] = field(default_factory=lambda: CHEAP)
 
 
 @dataclass(frozen=True)
@@ -73,7 +78,7 @@ def next_step(found: Certificate, case: Case, now: Round) -> Step | None:
     by_margins = raised != now.margins and beyond(raised, now.least) <= now.most
     curable = by_margins and all(_by_margin(check) for check in found.broken)
     along = _along(case)
-    if curable and (not now.may_refine or (now.raised < RAISED and _cheap(raised, now.least, along))):
+    if curable and (not now.may_refine or (now.raised < RAISED and _cheap(raised, now, along))):
         return Step(raised, correct=now.corrected)
     if now.correctable:
         return _corrected(found, raised, now, along)
@@ -88,7 +93,7 @@ def _corrected(found: Certificate, raised: Margins, now: Round, along: frozenset
     own = now.least["contact_margin"]
     dear = {n for n in along if now.may_refine and contacts.get(n, 0.0) - own.get(n, 0.0) > ALONG}
     contacts |= {name: now.margins["contact_margin"].get(name, 0.0) for name in dear}
-    most = {kind: min(share, now.most) if now.may_refine else now.most for kind, share in CHEAP.items()}
+    most = {kind: min(share, now.most) if now.may_refine else now.most for kind, share in now.cheap.items()}
     fast = beyond({"rate_margin": rates}, now.least) > most["rate_margin"]
     bearable = most["contact_margin"] if now.corrected else HOPELESS
     near = max((m - own.get(n, 0.0) for n, m in contacts.items()), default=0.0) > bearable
@@ -127,9 +132,9 @@ def _along(case: Case) -> frozenset[str]:
     return frozenset(n for stop in stops for n, c in stop.contacts.items() if c.kept != "in contact")
 
 
-def _cheap(margins: Margins, least: Margins, along: frozenset[str]) -> bool:
+def _cheap(margins: Margins, now: Round, along: frozenset[str]) -> bool:
     return all(
-        share - least[kind].get(name, 0.0) <= (ALONG if name in along and kind == "contact_margin" else CHEAP[kind])
+        share - now.least[kind].get(name, 0.0) <= (ALONG if name in along and kind == "contact_margin" else now.cheap[kind])
         for kind, own in margins.items() for name, share in own.items()
     )  # fmt: skip
 

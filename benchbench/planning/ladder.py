@@ -14,6 +14,7 @@ from benchbench.planning.case import Case
 from benchbench.planning.onward import started, without_error
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import pose
+from benchbench.transcription.correction import correctable
 
 COARSE = 0.25
 """Share of the intervals that the first grid has."""
@@ -21,12 +22,19 @@ WARM = 150
 """Iterations that a solve with multipliers may use: a good start needs 10 to 60, and a cold solve is rarely better than a bad one."""
 FEWEST = 16
 """Intervals that the first grid has at least."""
+COLD = 75
+"""Iterations that a cold solve may use where a coarser grid is the other way: Verlet needs 20 to 60 at N = 100."""
 
 
 def coarse(case: Case) -> Case:
     """Return the case on the first grid of its ladder; the case itself where its own is coarse already."""
     intervals = case.scenario.grid_intervals
     return on_grid(case, max(FEWEST, round(COARSE * intervals))) if intervals > FEWEST else case
+
+
+def staged(case: Case) -> bool:
+    """Tell whether the transcription has stages, with which a cold solve at N = 100 may not end at all."""
+    return not correctable(posing.free(case, posing.line(case)).trajectory)
 
 
 def on_grid(case: Case, intervals: int) -> Case:
@@ -36,7 +44,12 @@ def on_grid(case: Case, intervals: int) -> Case:
 
 
 def rung(
-    case: Case, ledger: Ledger, start: Plan, below: Result | None = None, correct: bool = False
+    case: Case,
+    ledger: Ledger,
+    start: Plan,
+    below: Result | None = None,
+    correct: bool = False,
+    stage: str = "",
 ) -> Result:
     """Solve phases from a plan, with the multipliers of a solved grid below; once more without them if that fails.
 
@@ -47,7 +60,7 @@ def rung(
         plant = case.model.plant()
         problem = problem if below is None else started(problem, below, plant)
         problem = without_error(problem, plant) if correct else problem
-    name = f"N = {problem.trajectory.grid.intervals}"
+    name = stage or f"N = {problem.trajectory.grid.intervals}"
     if below is None:
         return pose(problem, case, ledger, name)
     found = pose(problem, replace(case, iteration_limit=min(WARM, case.iteration_limit)), ledger, name, below)
@@ -61,3 +74,21 @@ def climb(case: Case, ledger: Ledger, start: Plan) -> Result:
     if below is None or (not below.claimed and not ledger.over):
         return rung(case, ledger, start)
     return rung(case, ledger, below.plan, below) if below.claimed else below
+
+
+def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
+    """Make a start: solve phases, then one step size with contacts, or gates, held at the nearest nodes; both smooth.
+
+    The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
+    window on its way back. It starts from the multipliers of the first, with which it takes half as many iterations. Phases that
+    are not solved soon are solved by way of a coarse grid.
+    """
+    with ledger.guessing():
+        patient = replace(case, iteration_limit=min(COLD, case.iteration_limit))
+        found = rung(patient, ledger, start, stage="guess: phases")
+        if not found.claimed and not ledger.over and case.iteration_limit > COLD:
+            found = climb(case, ledger, start)
+    with ledger.building():
+        problem = posing.held(case, found.plan)
+    with ledger.guessing():
+        return pose(problem, case, ledger, "guess: window", found)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -9,9 +10,9 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
-from benchbench.planning.findings import Round, Step, next_step
+from benchbench.planning.findings import CHEAP, EQUAL, Round, Step, next_step
 from benchbench.planning.ladder import WARM, climb, coarse, on_grid, rung
-from benchbench.planning.margins import least_margins, with_margins
+from benchbench.planning.margins import Margins, least_margins, of_the_search, with_margins
 from benchbench.planning.mesh import exceeded, halved, marked, steady, touching
 from benchbench.planning.rescue import rescue
 from benchbench.planning.result import Result
@@ -24,6 +25,13 @@ ROUNDS = 10
 """Solves that may follow the first one from a start."""
 
 Refinement = Literal["local", "uniform"]
+Again = Callable[[Case, Ledger, Result, bool], Result]
+"""Solves a case from a result of nearly the same; the last says whether to take the error of the transcription off."""
+
+
+def phases_again(case: Case, ledger: Ledger, near: Result, correct: bool) -> Result:
+    """Solve phases from the plan and the multipliers of a result."""
+    return rung(case, ledger, near.plan, near, correct)
 
 
 @dataclass
@@ -33,6 +41,7 @@ class Loop:
     margin      0: those of the scenario instead of measured ones; else measured on top of those it keeps
     refinement  where a grid is refined: in the intervals in which the replay found errors, or everywhere
     correction  whether the error of the transcription is taken off its equations where that can be
+    again       how each round solves
     told        what each round gave, in words
     tried       each result, with its certificate where it claims success
     conflict    what stands in the way, where a look for a flight with slack found that something does
@@ -44,6 +53,7 @@ class Loop:
     margin: float
     refinement: Refinement = "local"
     correction: bool = True
+    again: Again = phases_again
     told: list[str] = field(default_factory=list)
     tried: list[tuple[Result, Certificate | None]] = field(default_factory=list)
     conflict: str = ""
@@ -67,8 +77,12 @@ class Loop:
     def certifies(self, case: Case, start: Plan) -> bool:
         """Plan from one start until the certificate accepts; returns whether it does."""
         least = least_margins(case.scenario, self.margin)
-        now = Round(least, least, self.margin)
         level, found = self._first(with_margins(case, least), start)
+        return self.settles(level, found, least)
+
+    def settles(self, level: Case, found: Result, least: Margins, cheap: Mapping[str, float] = CHEAP) -> bool:
+        """Go on from a result that was made with the least margins until the certificate accepts; returns whether it does."""
+        now = Round(least, least, self.margin, cheap=cheap)
         for left in reversed(range(ROUNDS + 1)):
             certificate = judge(found, self.case, self.ledger) if found.claimed else None
             self.tried.append((found, certificate))
@@ -84,7 +98,7 @@ class Loop:
             raised = now.raised + 1 if finer is level else 0
             now = replace(now, margins=step.margins, raised=raised, corrected=step.correct)
             level = with_margins(finer, step.margins)
-            found = rung(level, self.ledger, found.plan, found, step.correct)
+            found = self.again(level, self.ledger, found, step.correct)
         return certificate is not None and certificate.certified
 
     def _first(self, case: Case, start: Plan) -> tuple[Case, Result]:
@@ -129,6 +143,22 @@ class Loop:
         if self.refinement == "local" and steady(level):
             return replace(level, mesh=halved(found.problem.trajectory.grid, chosen))
         return on_grid(level, 2 * level.scenario.grid_intervals)
+
+
+def settled(
+    case: Case, ledger: Ledger, found: Result, finer: int, margin: float, least: Margins, again: Again
+) -> Result:
+    """Go on from a result of a strategy that keeps its own form on grids of equal steps, as `Loop` does.
+
+    found: made with the least margins. Without a margin nothing is measured, and the result is as it is; so it is where the certificate
+    accepts nothing later either.
+    """
+    if not margin or not found.claimed or judge(found, case, ledger).certified:
+        return found
+    finest = finer * case.scenario.grid_intervals
+    loop = Loop(case, ledger, finest, margin, "uniform", correction=False, again=again)
+    good = loop.settles(with_margins(case, least), found, least, EQUAL)
+    return of_the_search(found, loop.best if good else found).telling(refinement=loop.told)
 
 
 def _broken(certificate: Certificate | None) -> int:

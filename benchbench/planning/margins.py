@@ -57,11 +57,11 @@ def measured(
         if raised == margins or beyond(raised, least) > most:
             return first
         margins = raised
-        last = _of_the_search(first, solve(with_margins(case, margins), last))
+        last = of_the_search(first, solve(with_margins(case, margins), last))
     return last if last.claimed and judge(last, case, ledger).certified else first
 
 
-def _of_the_search(first: Result, last: Result) -> Result:
+def of_the_search(first: Result, last: Result) -> Result:
     """The last result with the account of the first, whose search, if it was one, knew no margins."""
     searched = {"search": f"{first.account['search']}{BEST_ONLY}"} if "search" in first.account else {}
     return last.telling(**{**first.account, **searched})

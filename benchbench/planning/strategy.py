@@ -11,7 +11,6 @@ from benchbench.formulation.problem import Problem
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
-from benchbench.planning import posing
 from benchbench.planning.case import AnyCase, Case, Strategy
 from benchbench.planning.disturb import disturbed
 from benchbench.planning.result import Result
@@ -36,22 +35,6 @@ def pose(problem: Problem, case: Case, ledger: Ledger, stage: str, near: Result 
     between = prolongation(near.problem.trajectory.grid, problem.trajectory.grid)
     solved = homotopy(problem.mpcc, case, ledger, stage, near.solved, between=between)
     return Result.of(problem, solved)
-
-
-def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:
-    """Make a start: solve phases, then one step size with contacts, or gates, held at the nearest nodes; both smooth.
-
-    The second solve matters: the interpolated plan breaks the dynamics of the new grid, and IPOPT leaves the
-    window on its way back. It starts from the multipliers of the first, with which it takes half as many iterations.
-    """
-    with ledger.building():
-        problem = posing.phases(case, start)
-    with ledger.guessing():
-        found = pose(problem, case, ledger, "guess: phases")
-    with ledger.building():
-        problem = posing.held(case, found.plan)
-    with ledger.guessing():
-        return pose(problem, case, ledger, "guess: window", found)
 
 
 def judge(result: Result, case: AnyCase, ledger: Ledger) -> Certificate:

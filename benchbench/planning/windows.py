@@ -157,9 +157,16 @@ def check_one_contact(case: Case) -> None:
     if scenario.itinerary.may_skip(stop):
         problem = f"'{strategy}' searches where the contact is, not whether there is one"
         raise IncompatibleCase("strategy", problem, "sequences, phases")
-    if stop.contact_seconds is not None:
-        problem = f"'{strategy}' holds contact at kappa_init nodes, not for {stop.contact_seconds:g} s"
-        raise IncompatibleCase("scenario.contact_seconds", problem, "null, or strategy=phases")
+    check_counted(case)
+
+
+def check_counted(case: Case) -> None:
+    """Raise IncompatibleCase for contacts that are to last for seconds: on a grid of equal steps they last for nodes."""
+    for stop in case.scenario.itinerary.stops:
+        if stop.contact_seconds is not None:
+            strategy, where = case.names["strategy"], f"{stop.prefix}contact"
+            problem = f"'{strategy}' holds {where} at kappa_init nodes, not for {stop.contact_seconds:g} s"
+            raise IncompatibleCase("scenario.contact_seconds", problem, "null, or strategy=auto, phases")
 
 
 def coarser(case: Case, levels: int) -> Iterable[Case]:

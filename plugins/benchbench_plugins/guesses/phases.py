@@ -11,7 +11,7 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
 from benchbench.planning.case import Case, Guess
-from benchbench.planning.strategy import from_phases
+from benchbench.planning.ladder import from_phases
 
 
 @final

@@ -11,7 +11,8 @@ from pydantic.dataclasses import dataclass
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import first_plan
-from benchbench.planning.margins import measured
+from benchbench.planning.loop import settled
+from benchbench.planning.margins import least_margins, with_margins
 from benchbench.planning.result import Result
 from benchbench.planning.windows import Windows, check_one_contact, coarser, solved_again
 
@@ -23,24 +24,24 @@ class Enumeration(Strategy):
 
     On each of `levels` grids, twice as fine as the one before, the search walks downhill from where the last one has
     its minimum. With `exhaustive` every window of the finest grid that its lower bound does not rule out is solved as well. The
-    account says how many were solved, ruled out and left; each solve is local. Margins as for `phases`.
+    account says how many were solved, ruled out and left; each solve is local. Margins as for `phases`. Where they do not help, the
+    best window is solved on grids twice as fine, as long as these have fewer than `finer` times the intervals.
     """
 
     exhaustive: bool = False
     levels: Annotated[int, Field(ge=1, le=6)] = 3
     margin: Annotated[float, Field(ge=0, lt=1)] = 0.5
+    finer: Annotated[int, Field(ge=1, le=64)] = 4
 
     def solve(self, case: Case, ledger: Ledger) -> Result:
-        """Search; where the replay asks for margins, solve the best window again.
+        """Search; where the replay asks for margins or a finer grid, go on from the best window.
 
         Raises IncompatibleCase unless one contact is to be held for kappa_init nodes.
         """
         check_one_contact(case)
-
-        def search(case: Case, near: Result | None) -> Result:
-            return self._search(case, ledger) if near is None else solved_again(case, ledger, near)
-
-        return measured(case, ledger, self.margin, search)
+        least = least_margins(case.scenario, self.margin)
+        found = self._search(with_margins(case, least), ledger)
+        return settled(case, ledger, found, self.finer, self.margin, least, _again)
 
     def _search(self, case: Case, ledger: Ledger) -> Result:
         coarsest, *finer = coarser(case, self.levels)
@@ -53,3 +54,8 @@ class Enumeration(Strategy):
         if self.exhaustive:
             windows.exhaust()
         return replace(windows.best, account={"search": windows.account().told("windows")})
+
+
+def _again(case: Case, ledger: Ledger, near: Result, correct: bool) -> Result:
+    """The window of a result once more, on another grid the nearest one."""
+    return solved_again(case, ledger, near)

@@ -10,8 +10,9 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.planning import posing
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.guess import first_plan
+from benchbench.planning.ladder import from_phases
 from benchbench.planning.result import Result
-from benchbench.planning.strategy import from_phases, pose
+from benchbench.planning.strategy import pose
 
 
 @final
