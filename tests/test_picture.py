@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
@@ -122,7 +123,7 @@ def test_plot_of_distance_matches_the_symbolic_model() -> None:
     dots = panel.curves[0].dots
     assert dots is not None and np.allclose(dots[1], distance, atol=1e-12)
     assert panel.curves[0].upper == 0.02 and panel.unit == "m" and "distance" in panel.title.lower()
-    assert panel.note == f"in contact up to {max(distance[17:19]):.3g}"
+    assert panel.note == f"in contact {max(distance[17:19]):.3g}"
 
 
 def test_every_limited_quantity_has_its_own_limits() -> None:
@@ -201,6 +202,38 @@ def test_dashed_limits_and_shaded_contact_are_on_every_panel() -> None:
     assert all(
         low < limit < high for t, a in panels.items() for limit in dashed[t] for low, high in [a.get_ylim()]
     )
+
+
+def test_a_flat_motion_has_the_whole_width_and_a_bent_one_shares_it() -> None:
+    """The side view of a straight flight; contacts stand in the grid below, and none is lost."""
+    model = vehicle()
+    widths, titles = [], []
+    for plan in (curved_plan(model), curved_plan(model, 1.5)):
+        figure = compose(plan, task(), model, dense(plan), "T", "certified")
+        found = {a.get_title(loc="left"): a.get_window_extent() for a in figure.get_axes()}
+        widths.append(found["Side view"].width / figure.bbox.width)
+        titles.append({title for title in found if "[" in title})
+    assert widths[0] > 0.9 and widths[1] < 0.66
+    assert titles[0] == titles[1] and len(titles[0]) == 9
+
+
+def test_the_floor_and_the_walls_are_drawn_where_they_are_near() -> None:
+    """They do not widen the view: what is far is not seen."""
+    model, plan = vehicle(), curved_plan(vehicle())
+    seen = []
+    for space in ({}, {"z": (0.45, 900.0), "x": (-0.1, 900.0)}):
+        figure = compose(plan, task(workspace=space), model, None, "T", "certified")
+        axes = next(a for a in figure.get_axes() if a.get_title(loc="left") == "Side view")
+        dashed = [line for line in axes.get_children() if isinstance(line, Line2D) and line.is_dashed()]
+        places = {
+            (round(float(np.ptp(y)), 3), round(float(y[0]), 3), round(float(x[0]), 3))
+            for x, y in (one.get_data() for one in dashed)
+        }
+        seen.append((axes.get_xlim(), axes.get_ylim(), places))
+    assert seen[0][:2] == seen[1][:2]
+    levels = [{y for wide, y, _ in places if wide == 0.0} for *_, places in seen]
+    walls = [{x for wide, _, x in places if wide > 0.0} for *_, places in seen]
+    assert 0.45 in levels[1] and 0.45 not in levels[0] and -0.1 in walls[1] and -0.1 not in walls[0]
 
 
 def test_top_view_only_where_something_moves_sideways() -> None:

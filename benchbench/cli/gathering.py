@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -69,7 +70,8 @@ def gathered(
         hear("reading runs")
         found = collect([bundles[place].folder if place in bundles else place for place in places])
         records = found.rows.to_pylist(maps_as_pydicts="strict") if bundles or everything else []
-        origins = [_origin(folder, places, bundles) for folder in found.folders]
+        roots = [(str(bundles[p].folder if p in bundles else p), p, bundles.get(p)) for p in places]
+        origins = [_origin(folder, roots) for folder in found.folders]
         anew: list[Anew | None] = []
         for number, (folder, (_, bundle)) in enumerate(zip(found.folders, origins, strict=True)):
             asked = (everything or bundle is not None) and not trust
@@ -98,11 +100,12 @@ def _told(problems: dict[Path, str], bundles: dict[Path, Bundle]) -> dict[Path, 
 
 
 def _origin(
-    folder: Path | None, places: Sequence[Path], bundles: dict[Path, Bundle]
+    folder: Path | None, roots: Sequence[tuple[str, Path, Bundle | None]]
 ) -> tuple[Path | None, Bundle | None]:
-    for place in places if folder is not None else ():
-        bundle = bundles.get(place)
-        if folder and folder.resolve().is_relative_to((bundle.folder if bundle else place).resolve()):
+    """The place that was given in which a run was found; there may be ten thousands of runs."""
+    text = str(folder)
+    for root, place, bundle in roots if folder is not None else ():
+        if text == root or text.startswith(f"{root}{os.sep}") or root == ".":
             return place, bundle
     return None, None
 

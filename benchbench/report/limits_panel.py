@@ -58,7 +58,7 @@ def _worst_in_contact(plan: Plan, stop: Stop, gap: Points) -> str:
     times, values = gap
     windows = [(a, b) for i, a, b in stop_windows(plan) if plan.stop_names[i] == stop.name]
     inside = [values[(times >= plan.time[a]) & (times <= plan.time[b])] for a, b in windows]
-    return f"in contact up to {np.max(np.concatenate(inside), initial=0.0):.3g}" if windows else "no contact"
+    return f"in contact {np.max(np.concatenate(inside), initial=0.0):.3g}" if windows else "no contact"
 
 
 def limit_panels(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -> list[Panel]:

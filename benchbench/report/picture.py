@@ -34,6 +34,10 @@ WIDTH_IN = 14.0
 HEADER_IN, ROW_IN = 1.15, 1.75
 VIEW_SHARE = 0.6
 """Width of the views without their labels, as a share of the page."""
+WIDE_SHARE = 0.93
+"""The same where the views have the whole width."""
+FLAT = 0.8
+"""Height of the views, as a share of that of the contacts beside them, below which they get the whole width: the motion is flat."""
 COLUMNS = 4
 VIEW_LABELS_IN = 0.75
 """Height of title, numbers and label of a view."""
@@ -122,16 +126,22 @@ def _subtitle(plan: Plan, scenario: Scenario, windows: Sequence[tuple[float, flo
 
 def compose(page: Page, replayed: bool) -> Figure:
     """Lay the page out; `replayed` says what the lines between the nodes are."""
-    rows = ceil(len(page.limits) / COLUMNS)
-    views = max(sum(_view_heights(page.scene)), ROW_IN * len(page.contacts))
-    heights = [HEADER_IN, views, ROW_IN * rows]
+    beside = ROW_IN * len(page.contacts)
+    wide = sum(_view_heights(page.scene, VIEW_SHARE)) < FLAT * beside
+    views = _view_heights(page.scene, WIDE_SHARE if wide else VIEW_SHARE)
+    panels = [*page.contacts, *page.limits] if wide else page.limits
+    rows = ceil(len(panels) / COLUMNS)
+    heights = [HEADER_IN, sum(views) if wide else max(sum(views), beside), ROW_IN * rows]
     figure = Picture(figsize=(WIDTH_IN, sum(heights)), facecolor="white")
     header, top, bottom = figure.subfigures(3, 1, height_ratios=heights, squeeze=False, hspace=0)[:, 0]
-    left, right = top.subfigures(1, 2, width_ratios=[2, 1], squeeze=False, wspace=0)[0]
     _header(header, page, replayed)
-    _views(left, page.scene)
-    _contact_column(right, page)
-    _limit_grid(bottom, page, rows)
+    if wide:
+        _views(top, page.scene, views)
+    else:
+        left, right = top.subfigures(1, 2, width_ratios=[2, 1], squeeze=False, wspace=0)[0]
+        _views(left, page.scene, views)
+        _grid(right, page.contacts, page, len(page.contacts), 1)
+    _grid(bottom, panels, page, rows, COLUMNS)
     return figure
 
 
@@ -164,8 +174,7 @@ def _header(figure: SubFigure, page: Page, replayed: bool) -> None:
     )
 
 
-def _views(figure: SubFigure, scene: Scene) -> None:
-    heights = _view_heights(scene)
+def _views(figure: SubFigure, scene: Scene, heights: Sequence[float]) -> None:
     shares = [height - VIEW_LABELS_IN for height in heights]
     shares[0] += TIMES_IN
     place = VIEWS.grid(figure, len(heights), 1)
@@ -177,19 +186,11 @@ def _views(figure: SubFigure, scene: Scene) -> None:
     label_times(axes[0], scene, scene.planes[0])
 
 
-def _view_heights(scene: Scene) -> list[float]:
-    """Heights (in) that give each view the scale of the width."""
+def _view_heights(scene: Scene, share: float) -> list[float]:
+    """Heights (in) that give each view the scale of the width, of which its plot takes a share."""
     x, y, z = scene.extent
-    scale = WIDTH_IN * VIEW_SHARE / max(x, 1.2 * y, 1.2 * z)
+    scale = WIDTH_IN * share / max(x, 1.2 * y, 1.2 * z)
     return [scale * scene.extent[upward] + VIEW_LABELS_IN for _, upward in scene.planes]
-
-
-def _contact_column(figure: SubFigure, page: Page) -> None:
-    _grid(figure, page.contacts, page, len(page.contacts), 1)
-
-
-def _limit_grid(figure: SubFigure, page: Page, rows: int) -> None:
-    _grid(figure, page.limits, page, rows, COLUMNS)
 
 
 def _grid(figure: SubFigure, panels: list[Panel], page: Page, rows: int, columns: int) -> None:

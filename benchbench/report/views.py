@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from benchbench.arrays import Array
 from benchbench.certificate.passing import as_passed
@@ -29,6 +30,8 @@ from benchbench.report.style import ARM, CONTACT, FRAME, INK, LIMIT, TARGET, TOO
 POSES = 16
 """How many poses are drawn besides start, end and contact."""
 
+FAR_M = 1e3
+"""Beyond any picture, m."""
 FLAT_M = 0.02
 """Sideways motion (m) below which a plan is drawn in the x-z plane only."""
 
@@ -69,6 +72,8 @@ class Scene:
     flown: Array | None
     marks: Marks = field(default_factory=Marks)
     obstacles: Marks = field(default_factory=Marks)
+    space: tuple[Array, Array] = (np.full(3, -np.inf), np.full(3, np.inf))
+    """Limits of the vehicle's position (x, y, z), m, infinite where there are none: floor, ceiling, walls."""
 
     @property
     def standing(self) -> tuple[tuple[str, str, Array], ...]:
@@ -136,7 +141,10 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
     targets = {stop.name: sample(stop.target, plan.time)[0] for stop in scenario.itinerary.stops}
     touched = model.surroundings if isinstance(model, TouchingModel) else {}
     obstacles = Marks("obstacles", {**standing_lines(scenario.obstacles.items()), **touched}, forbidden=True)
-    return Scene(plan, model, tool, targets, flown, marks(scenario, plan), obstacles)
+    limits = scenario.limits(model)
+    bounds = {name: pair for name, *pair in zip(limits.names, limits.lower, limits.upper, strict=True)}
+    low, high = np.array([bounds.get(name, (-np.inf, np.inf)) for name in "xyz"]).T
+    return Scene(plan, model, tool, targets, flown, marks(scenario, plan), obstacles, (low, high))
 
 
 @singledispatch
@@ -177,6 +185,7 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
         # An artist, unlike a plot, leaves the axis limits alone: a replay that runs away must not set the scale.
         axes.add_artist(Line2D(scene.flown[:, h], scene.flown[:, v], color=INK, linewidth=0.7, zorder=3))
     axes.update_datalim(np.concatenate(scene.bodies)[:, plane])
+    _draw_space(axes, scene, plane)
     _draw_poses(axes, scene, scene.pose_nodes, plane, strong=False)
     _draw_poses(axes, scene, scene.contact_poses, plane, strong=True)
     _draw_target(axes, scene, plane)
@@ -185,6 +194,21 @@ def draw_view(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
     label_axes(axes, 0.08 if plane != scene.planes[-1] else TICKS_IN, NUMBERS_IN)
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.03, 0.12)
+
+
+def _draw_space(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
+    """Lines beyond which the vehicle may not be, shaded behind; artists leave the axis limits alone, so far ones are not seen."""
+    for bounds, beyond in zip(scene.space, (-FAR_M, FAR_M), strict=True):
+        for across, axis in enumerate(plane):
+            level = float(bounds[axis])
+            if np.isfinite(level):
+                corner, size = [-FAR_M, -FAR_M], [2 * FAR_M, 2 * FAR_M]
+                corner[across], size[across] = min(level, level + beyond), FAR_M
+                look = {"facecolor": LIMIT, "alpha": 0.12, "edgecolor": "none", "zorder": 0.5}
+                axes.add_artist(Rectangle((corner[0], corner[1]), size[0], size[1], **look))
+                ends = np.array([[-FAR_M, FAR_M], [level, level]])
+                x, y = ends if across else ends[::-1]
+                axes.add_artist(Line2D(x, y, color=LIMIT, linewidth=1.1, linestyle=(0, (4, 3)), zorder=1.5))
 
 
 def label_times(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
