@@ -78,8 +78,10 @@ class Claims:
 
 def _locked(file: int, name: str, wanted: bool) -> bool:
     """Lock or unlock the byte whose place is a hash; False if somebody else has it locked."""
-    import fcntl
-
+    try:
+        import fcntl
+    except ImportError:  # not on Windows, where nobody is kept out
+        return True
     operation = fcntl.LOCK_EX | fcntl.LOCK_NB if wanted else fcntl.LOCK_UN
     try:
         fcntl.lockf(file, operation, 1, int(name, 16) >> 4)

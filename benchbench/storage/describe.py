@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from benchbench.storage.schema import COLUMNS, SCHEMA_VERSION
 
-_HEAD = f"""# The table of runs
+_HEAD = f"""# What does each column of the table mean?
 
 One row per run, schema version {SCHEMA_VERSION}. A cell is empty where a number does not exist or is not known: a run
 that crashed has no travel time. `benchbench table --describe` prints this page.
