@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import singledispatch
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -204,7 +205,7 @@ def _draw_space(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
             if np.isfinite(level):
                 corner, size = [-FAR_M, -FAR_M], [2 * FAR_M, 2 * FAR_M]
                 corner[across], size[across] = min(level, level + beyond), FAR_M
-                look = {"facecolor": LIMIT, "alpha": 0.12, "edgecolor": "none", "zorder": 0.5}
+                look: dict[str, Any] = {"facecolor": LIMIT, "alpha": 0.12, "edgecolor": "none", "zorder": 0.5}
                 axes.add_artist(Rectangle((corner[0], corner[1]), size[0], size[1], **look))
                 ends = np.array([[-FAR_M, FAR_M], [level, level]])
                 x, y = ends if across else ends[::-1]
