@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import asinh, sqrt
 
 import pytest
+from scipy.optimize import fsolve
 
 import benchbench as bb
 from benchbench_plugins.collections.zermelo import TIME, start
@@ -42,3 +43,45 @@ def test_zermelo_converges_with_second_order_from_above() -> None:
     coarse, fine = (solved("zermelo", intervals) - TIME for intervals in (20, 40))
     assert 0 < fine < 1e-3
     assert coarse / fine == pytest.approx(4.0, abs=0.1)
+
+
+STEERING = 0.55457088
+"""By the law of the linear tangent (Bryson & Ho 1975, section 2.4): COPS prints 0.554571."""
+
+
+def test_steering_converges_with_second_order_from_above() -> None:
+    coarse, fine = (solved("steering", intervals) - STEERING for intervals in (10, 20))
+    assert 0 < fine < 2e-4
+    assert coarse / fine == pytest.approx(4.0, abs=0.1)
+
+
+def test_the_law_of_the_linear_tangent_gives_the_same_time() -> None:
+    """By symmetry tan u = tan u_0 (1 - 2 t / T); u_0 and T from height and speed at the end, in closed form."""
+
+    def missed(x: list[float]) -> list[float]:
+        slope, time = x
+        along = 100 * time * asinh(slope) / slope - 45
+        secant = sqrt(1 + slope**2)
+        up = 100 * (time / (2 * slope)) ** 2 * (secant * slope - asinh(slope))
+        return [along, up - 5]
+
+    _, time = fsolve(missed, [1.0, 0.55], xtol=1e-13)
+    assert time == pytest.approx(STEERING, abs=1e-8)
+
+
+def test_the_robot_arm_is_as_quick_as_cops_says() -> None:
+    """9.14093 at 800 intervals there; held motors come from above."""
+    coarse, fine = (solved("robot_arm", intervals) - 9.14093 for intervals in (25, 100))
+    assert 0 < fine < 5e-4 and coarse / fine > 16
+
+
+def test_goddards_rocket_climbs_as_high_as_cops_says() -> None:
+    assert -solved("goddard", 50) == pytest.approx(1.01283, abs=1.5e-5)
+
+
+def test_the_pole_swings_up_with_second_order_from_above() -> None:
+    """Towards one number, which is that of dymos to its 0.1 %."""
+    coarse, middle, fine = (solved("cart_pole", intervals) for intervals in (25, 50, 100))
+    assert coarse > middle > fine
+    assert (coarse - middle) / (middle - fine) == pytest.approx(4.0, abs=0.3)
+    assert fine - (middle - fine) / 3 == pytest.approx(58.839, rel=1e-3)

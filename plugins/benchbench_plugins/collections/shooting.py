@@ -19,6 +19,7 @@ class Classic:
 
     start, end  (n,) states, NaN where free; inputs: (lower, upper) of each, and the guess of each in `input_guess`
     time        T in s where it is fixed, or (least, guess, most) where it is free and counts as cost
+    final       of the last state, where that is the cost: then a free time does not count
     """
 
     rate: Callable[[ca.SX, ca.SX], ca.SX]
@@ -28,6 +29,7 @@ class Classic:
     inputs: tuple[tuple[float, float], ...]
     input_guess: tuple[float, ...]
     time: float | tuple[float, float, float]
+    final: Callable[[ca.SX], ca.SX] | None = None
 
 
 def transcribed(problem: Classic, intervals: int) -> Mpcc:
@@ -42,7 +44,7 @@ def transcribed(problem: Classic, intervals: int) -> Mpcc:
     h = w[0] / intervals
     gaps = [_end(problem.rate, x[:, k], u[:, k], h) - x[:, k + 1] for k in range(intervals)]
     free = not isinstance(problem.time, float)
-    cost = w[0] if free else ca.SX(0)
+    cost = problem.final(x[:, -1]) if problem.final else w[0] if free else ca.SX(0)
     if problem.running is not None:
         cost += sum(h * problem.running(x[:, k], u[:, k]) for k in range(intervals))
     none = ca.SX(0, 1)
