@@ -16,7 +16,7 @@ from benchbench.certificate.evidence import Given
 from benchbench.certificate.examination import examine
 from benchbench.certificate.further import further
 from benchbench.certificate.limits import Limits, ProblemLimits
-from benchbench.certificate.spending import objective, spent
+from benchbench.certificate.terms import objective, spent
 from benchbench.mpcc.residuals import Residuals
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan

@@ -15,12 +15,12 @@ from benchbench.transcription.grid import Mesh
 class Formulation:
     """A task, the vehicle that flies it, and the transcription of its dynamics.
 
-    mesh      intervals of unequal length, for problems posed as phases; empty: as many as the scenario says, of equal length
-    standing  stops that are made once their target stands, by name: from when, s; where the nose points is then not asked
+    mesh     intervals of unequal length, for problems posed as phases; empty: as many as the scenario says, of equal length
+    resting  stops that are made once their target stands, by name: from when, s; where the nose points is then not asked
     """
 
     scenario: Scenario
     model: Model
     dynamics: Dynamics
     mesh: Mesh = field(default_factory=dict)
-    standing: Mapping[str, float] = field(default_factory=dict)
+    resting: Mapping[str, float] = field(default_factory=dict)

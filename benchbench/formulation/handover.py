@@ -214,13 +214,13 @@ def _at_windows(case: Formulation, base: Mpcc, trajectory: Trajectory, contact: 
     made = [stop for stop in itinerary.stops if stop.name in contact]
     for stop in made:
         base += _coupling(case, trajectory, stop).at_nodes(contact[stop.name])
-        if stop.name in case.standing:
-            base += _not_before(trajectory.grid, contact[stop.name][0], stop, case.standing[stop.name])
+        if stop.name in case.resting:
+            base += _not_before(trajectory.grid, contact[stop.name][0], stop, case.resting[stop.name])
     return Problem(base + open_order.choice(itinerary, made), trajectory, contact, _kappas(itinerary))
 
 
 def _coupling(case: Formulation, trajectory: Trajectory, stop: Stop) -> Coupling:
-    contacts = still(stop.contacts) if stop.name in case.standing else stop.contacts
+    contacts = still(stop.contacts) if stop.name in case.resting else stop.contacts
     margins = case.scenario.itinerary.margins
     return Coupling(contacts, case.model, stop.target, trajectory, margins, stop.prefix)
 

@@ -16,7 +16,7 @@ from benchbench.planning.margins import Margins, least_margins, of_the_search, w
 from benchbench.planning.mesh import exceeded, halved, marked, steady, touching
 from benchbench.planning.rescue import rescue
 from benchbench.planning.result import Result
-from benchbench.planning.standing import once_they_stand
+from benchbench.planning.resting import once_they_rest
 from benchbench.planning.strategy import judge
 from benchbench.storage.status import Status
 from benchbench.transcription.correction import correctable
@@ -119,7 +119,7 @@ class Loop:
 
     def _side(self, case: Case, start: Plan) -> tuple[Case, Result]:
         """The better one on the coarse grid: contact at any time, or once the targets stand that come to rest."""
-        other = once_they_stand(case)
+        other = once_they_rest(case)
         if other is None:
             return case, rung(coarse(case), self.ledger, start)
         waits = rung(coarse(other), self.ledger, start)

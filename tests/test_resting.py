@@ -11,7 +11,7 @@ import pytest
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.contact import SLOW
 from benchbench.ocp.motion import sample
-from benchbench.planning.standing import at_rest_from, once_they_stand
+from benchbench.planning.resting import at_rest_from, once_they_rest
 from benchbench_plugins.motions import Braking, Circle, Fixed, Linear
 
 BRAKES = Braking((1.2, 0.3, 0.4), (-0.2, -0.3, 0.0), 1.5)
@@ -41,10 +41,10 @@ def test_a_contact_that_waits_is_one_of_the_task() -> None:
     """The nose would have to turn by 124 degrees and back for a contact on the way; the certificate is that of the task."""
     case = composing.case_of("+scenario=static", "solver=ipopt", "scenario.intervals=40", "compile=never")
     case = replace(case, scenario=case.scenario.model_copy(update={"target": BRAKES}))
-    waits = once_they_stand(case)
+    waits = once_they_rest(case)
     assert waits is not None and waits.scenario is case.scenario
     found = case.plan(Ledger(60.0))
     nodes, certificate = found.plan.contact(0), case.judge(found)
     assert certificate.certified and any("heading" in check.name for check in certificate.checks)
-    assert nodes is not None and found.plan.time[nodes[0]] >= waits.standing["target"] - 1e-6
+    assert nodes is not None and found.plan.time[nodes[0]] >= waits.resting["target"] - 1e-6
     assert "once its target stands" in found.account["refinement"][0]

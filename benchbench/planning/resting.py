@@ -20,7 +20,7 @@ LOOKS = 4
 """From 30 s down to a nanosecond."""
 
 
-def once_they_stand(case: Case) -> Case | None:
+def once_they_rest(case: Case) -> Case | None:
     """Return the case in which contacts wait until their targets stand; None where no target comes to rest, or nothing changes.
 
     Only contacts that ask where the nose points wait. A plan of this case is one of the original.
@@ -28,7 +28,7 @@ def once_they_stand(case: Case) -> Case | None:
     latest = case.scenario.travel_time[1]
     asked = [s for s in case.scenario.itinerary.stops if len(still(s.contacts)) < len(s.contacts)]
     found = {stop.name: rest for stop in asked if (rest := at_rest_from(stop.target, latest)) is not None}
-    return replace(case, standing=found) if found else None
+    return replace(case, resting=found) if found else None
 
 
 def at_rest_from(motion: Motion, latest: float) -> float | None:
