@@ -15,8 +15,8 @@ from benchbench.planning.ladder import WARM, climb, coarse, on_grid, rung
 from benchbench.planning.margins import Margins, least_margins, of_the_search, with_margins
 from benchbench.planning.mesh import exceeded, halved, marked, steady, touching
 from benchbench.planning.rescue import rescue
-from benchbench.planning.result import Result
 from benchbench.planning.resting import once_they_rest
+from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge
 from benchbench.storage.status import Status
 from benchbench.transcription.correction import correctable
