@@ -198,6 +198,7 @@ def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
         "zermelo",
         "cart_pole",
         "goddard",
+        "obstacle_car",
         "robot_arm",
         "steering",
     }  # they are no flights

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from math import asinh, sqrt
+from math import asinh, hypot, sqrt
 
+import numpy as np
 import pytest
 from scipy.optimize import fsolve
+from scipy.spatial import ConvexHull
 
 import benchbench as bb
+from benchbench_plugins.collections.obstacle_car import LEAST
 from benchbench_plugins.collections.zermelo import TIME, start
 
 
@@ -85,3 +88,16 @@ def test_the_pole_swings_up_with_second_order_from_above() -> None:
     assert coarse > middle > fine
     assert (coarse - middle) / (middle - fine) == pytest.approx(4.0, abs=0.3)
     assert fine - (middle - fine) / 3 == pytest.approx(58.839, rel=1e-3)
+
+
+def test_the_car_drives_tangent_arc_tangent() -> None:
+    """Never shorter than the string around the disc, laid here point by point."""
+    angle = np.linspace(0.0, np.pi, 20001)
+    rim = np.stack([-np.cos(angle), np.sin(angle) - 0.5], axis=1)
+    string = np.vstack([[-2.0, 0.0], rim, [2.0, 0.0]])
+    least = (
+        ConvexHull(string).area - 2.0 - 2 * hypot(1.0, 0.5)
+    )  # its length all around, without the way back below
+    coarse, fine = (solved("obstacle_car", intervals) - LEAST for intervals in (20, 80))
+    assert pytest.approx(least, abs=1e-6) == LEAST
+    assert 0 < fine < 1e-6 < coarse < 2e-4

@@ -20,6 +20,7 @@ class Classic:
     start, end  (n,) states, NaN where free; inputs: (lower, upper) of each, and the guess of each in `input_guess`
     time        T in s where it is fixed, or (least, guess, most) where it is free and counts as cost
     final       of the last state, where that is the cost: then a free time does not count
+    path        of a state, at least 0 at every node; (n,) in, scalar out
     """
 
     rate: Callable[[ca.SX, ca.SX], ca.SX]
@@ -30,12 +31,13 @@ class Classic:
     input_guess: tuple[float, ...]
     time: float | tuple[float, float, float]
     final: Callable[[ca.SX], ca.SX] | None = None
+    path: Callable[[ca.SX], ca.SX] | None = None
 
 
 def transcribed(problem: Classic, intervals: int) -> Mpcc:
     """Return it with N intervals; unknowns are T, the states (N + 1, n) and the inputs (N, m), in a row.
 
-    States start on the line from start to end; one that is free there stays where it began.
+    States start on the line from start to end; one that is free there stays where it began, one that is free here at 0.
     """
     n, m, nodes = len(problem.start), len(problem.inputs), intervals + 1
     w = ca.SX.sym("w", 1 + nodes * n + intervals * m)
@@ -47,12 +49,15 @@ def transcribed(problem: Classic, intervals: int) -> Mpcc:
     cost = problem.final(x[:, -1]) if problem.final else w[0] if free else ca.SX(0)
     if problem.running is not None:
         cost += sum(h * problem.running(x[:, k], u[:, k]) for k in range(intervals))
+    kept = [problem.path(x[:, k]) for k in range(nodes)] if problem.path else []
     none = ca.SX(0, 1)
-    values = {"f": cost, "g": ca.vertcat(*gaps), "G": none, "H": none}
+    values = {"f": cost, "g": ca.vertcat(*gaps, *kept), "G": none, "H": none}
     functions = {key: ca.Function(key, [w, ca.SX.sym("p", 0)], [value]) for key, value in values.items()}
     lower, guess, upper = _numbers(problem, intervals)
-    rows = np.zeros(intervals * n)
-    return whole(functions, np.zeros(0), guess, (lower, upper), (rows, rows))
+    rows, most = np.zeros(intervals * n + len(kept)), np.full(len(kept), np.inf)
+    return whole(
+        functions, np.zeros(0), guess, (lower, upper), (rows, np.append(rows[: intervals * n], most))
+    )
 
 
 def _end(rate: Callable[[ca.SX, ca.SX], ca.SX], x: ca.SX, u: ca.SX, h: ca.SX) -> ca.SX:
@@ -68,7 +73,8 @@ def _numbers(problem: Classic, intervals: int) -> tuple[Array, Array, Array]:
     times = (problem.time,) * 3 if isinstance(problem.time, float) else problem.time
     start, end = np.array(problem.start), np.array(problem.end)
     share = np.linspace(0.0, 1.0, intervals + 1)[:, None]
-    states = start + share * (np.where(np.isnan(end), start, end) - start)
+    first = np.nan_to_num(start)
+    states = first + share * (np.where(np.isnan(end), first, end) - first)
     lower, upper = np.full(states.shape, -np.inf), np.full(states.shape, np.inf)
     for row, fixed in ((0, start), (-1, end)):
         known = ~np.isnan(fixed)
