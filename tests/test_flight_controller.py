@@ -11,9 +11,11 @@ from benchbench.arrays import Array
 from benchbench.conformance.checks.flying import Obedient, known, vehicle, wandering
 from benchbench.flight.controller import Controller
 from benchbench.flight.residual import Recorder
+from benchbench.flight.training import training_reference
 from benchbench_plugins.controllers.nmpc import Nmpc
 from benchbench_plugins.controllers.nmpc_ipopt import NmpcIpopt
 from benchbench_plugins.controllers.prediction import Prediction
+from benchbench_plugins.controllers.receding import Receding
 from benchbench_plugins.controllers.tables import tables
 
 pytest.importorskip("daqp", reason="daqp is not installed")
@@ -92,3 +94,32 @@ def test_the_reference_is_a_solution_of_the_controllers_own_model() -> None:
         assert (
             np.abs(table.offset[row]).max() < 0.02
         )  # what the model misses is small, or its inputs were wrong
+
+
+def test_noise_is_filtered_and_the_truth_is_not() -> None:
+    """Half of the noise of a sensed state is gone from the estimate; of a state without noise nothing is changed."""
+    off, exact = _estimated(0.01), _estimated(0.0)
+    assert np.sqrt(np.mean(off**2)) < 0.7 * 0.01
+    assert np.abs(exact).max() < 1e-3
+
+
+def _estimated(noise: float) -> Array:
+    """Errors (n, 3) m of the estimated position, the body's velocity being sensed exactly."""
+    body, draw, found = Obedient(wandering()), np.random.default_rng(5), []
+    step = Nmpc().prepare(known(wandering()), Recorder(), lambda sensed, command, along: 0.0)
+    assert isinstance(step, Receding)
+    for _ in range(80):
+        sensed, true = body.sensed(), body.state[:3].copy()
+        sensed.state[:3] += draw.normal(0.0, noise, 3) if noise else 0.0
+        body.obey(step(sensed, body.time))
+        found.append(step.estimate.state[:3] - true)
+    return np.array(found)
+
+
+def test_a_training_flight_asks_for_what_motors_can_give() -> None:
+    """Body rates change by no more than a manoeuvre's, also where the wandering begins; 50 rad/s^2 once stood there."""
+    for seed in range(6):
+        reference = training_reference(wandering(), vehicle().airframe, 12.0, seed)
+        assert np.abs(np.gradient(reference.state[:, 11:14], reference.step, axis=0)).max() < 5.0
+        low, high = vehicle().airframe.motor_force
+        assert low < reference.inputs[:, :4].min() and reference.inputs[:, :4].max() < high

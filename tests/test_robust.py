@@ -58,6 +58,10 @@ def test_what_is_searched() -> None:
     assert [text for text in own.arguments if "," in text] == ["scenario.authority=0,0.05"]
     with pytest.raises(BadInput, match="scenario"):
         commands.run("robust", ["flights=3"])
+    for scenario, says in (("race", "no ball"), ("circle,two_free", "2 targets")):
+        with pytest.raises(BadInput, match=says) as told:
+            commands.run("robust", [f"+scenario={scenario}"])
+        assert told.value.field == "scenario"
     for wrong in ("2", "0", "nan", "often"):
         with pytest.raises(BadInput, match="target_success"):
             commands.run("robust", ["+scenario=circle", f"target_success={wrong}"])

@@ -29,7 +29,9 @@ def errand(scenario: object) -> Errand:
     `@errand.register` on a function whose first parameter has the class of the scenario. Raises IncompatibleCase.
     """
     name = getattr(scenario, "name", type(scenario).__name__)
-    raise IncompatibleCase("flights", f"nothing says how '{name}' is flown", ALLOWED)
+    raise IncompatibleCase(
+        "flights", f"'{name}' has no ball to be taken from a stand, which is what is flown", ALLOWED
+    )
 
 
 @errand.register

@@ -48,6 +48,8 @@ class Replanning:
 
     def __init__(self, case: Case, target: Motion) -> None:
         """Build and solve it for a target of the kind that will be predicted. Raises IncompatibleCase as `Replanner` does."""
+        import scipy.interpolate  # noqa: F401  # two thirds of a second, which the first plan in a flight would be charged with
+
         scenario = case.scenario.model_copy(update={"target": target, "intervals": INTERVALS})
         self.planner = Replanner(replace(case, scenario=scenario, **MOST), rescue=False)  # type: ignore[arg-type]
         self.model = case.model

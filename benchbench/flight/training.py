@@ -18,6 +18,10 @@ SPEED = 0.7
 """Share of the speed limits that the wandering reaches at most."""
 LEANING = 3
 """Rounds in which attitude and motion of the common centre of mass agree."""
+GROWING, SOONEST = 0.2, 1.0
+"""Share of the time, and s at least, over which it grows. Within a second, body rates had to change by 15 to 50 rad/s^2, motors were at
+their limits, and accelerations of up to 3.8 m/s^2 that no model of the vehicle can expect were learned from.
+"""
 HIGHER = 0.5
 """m above the reference's start, so that it stays clear of the ground."""
 SPARE = 50
@@ -63,8 +67,9 @@ def training_reference(reference: Reference, airframe: Airframe, seconds: float,
 
 
 def _wave(draws: Draws, name: str, time: Array, most: float) -> tuple[Array, Array, Array]:
-    """Value, rate and change of the rate of a sum of sines that is at rest until 0 and grows within a second."""
+    """Value, rate and change of the rate of a sum of sines that is at rest until 0 and grows over a fifth of the time."""
     begun = np.clip(time, 0.0, None)
+    ramp = max(GROWING * float(time[-1]), SOONEST)
     value = np.zeros(len(time))
     for k in range(WAVES):
         period, phase = (
@@ -73,7 +78,9 @@ def _wave(draws: Draws, name: str, time: Array, most: float) -> tuple[Array, Arr
         )
         amplitude = most / WAVES * period / (2 * np.pi)
         value += amplitude * (np.sin(2 * np.pi * begun / period + phase) - np.sin(phase))
-    value *= 1 - np.exp(-(begun**5))  # the arm's pull follows the fourth derivative, so that one has no jump
+    value *= 1 - np.exp(
+        -((begun / ramp) ** 5)
+    )  # the arm's pull follows the fourth derivative, so that one has no jump
     step = float(time[1] - time[0])
     rate = np.gradient(value, step)
     return value, rate, np.gradient(rate, step)

@@ -45,6 +45,7 @@ def run(arguments: Sequence[str]) -> Sweep:
     if "scenario" not in asked:
         raise BadInput("scenario", "none was chosen", "+scenario=NAME of a handover with one target")
     _check_target(typed)
+    _check_flown(typed)
     added = [] if "scenario/contact" in asked else [GENTLE]
     added += [f"{key}={value}" for key, value in DEFAULTS.items() if key not in asked]
     if not any("," in text or "range(" in text or "choice(" in text for text in typed):
@@ -66,6 +67,30 @@ def _check_target(typed: Sequence[str]) -> None:
             fits = False
         if not fits:
             raise BadInput(key, f"'{value}' was given", "a number above 0 and below 1")
+
+
+def _check_flown(typed: Sequence[str]) -> None:
+    """Refuse a scenario of ours that has nothing to be flown, before fields are added that it does not have."""
+    from benchbench.errors import BadInput, BenchBenchError
+    from benchbench.flight.errand import errand
+    from benchbench.run import config
+
+    told = [text.partition("=")[2] for text in typed if text.lstrip("+").startswith("scenario=")]
+    for name in ",".join(told).split(","):
+        if name not in config.choices("scenario"):
+            continue
+        cfg, _ = config.composed(f"+scenario={name}")
+        try:
+            values = config.make(cfg, "scenario")
+            scenario = config.scenario_of(values) if isinstance(values, dict) else values
+        except BenchBenchError:  # something has to be said besides, which the runs are told
+            continue
+        try:
+            errand(scenario)
+        except BadInput as error:
+            raise BadInput(
+                "scenario", error.problem, "+scenario=NAME of a handover with one target"
+            ) from None
 
 
 def parser() -> Parser:

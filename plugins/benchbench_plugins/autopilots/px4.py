@@ -1,4 +1,4 @@
-"""The rate loop alone: torques that the plan needs are left to its integral."""
+"""PX4's rate loop; torques that the plan needs are left to its integral, or fed forward (conf/autopilot/torque_ff.yaml)."""
 
 from __future__ import annotations
 
@@ -14,15 +14,20 @@ from benchbench_plugins.autopilots.rate_loop import Gains, RateLoop
 
 @final
 class Px4(Autopilot):
-    """PX4's rate controller: proportional and integral terms, times the inertia, and a mixer that gives up yaw first."""
+    """PX4's rate controller: proportional and integral terms, times the inertia, and a mixer that gives up yaw first.
+
+    proportional, integral, derivative  gains about x, y and z, 1/s, 1/s^2 and 1
+    forward                             share of the torques that the plan (and a payload) needs by themselves which is added
+    """
 
     def __init__(
         self, proportional: tuple[float, ...] = (20.0, 20.0, 10.0), integral: tuple[float, ...] = (60.0, 60.0, 10.0),
-        derivative: tuple[float, ...] = (0.8, 0.8, 0.0),
+        derivative: tuple[float, ...] = (0.8, 0.8, 0.0), forward: float = 0.0,
     ) -> None:  # fmt: skip
-        """Gains about x, y and z, 1/s, 1/s^2 and 1."""
+        """Keep the numbers."""
+        self.forward = forward
         self.gains = Gains(tuple(proportional), tuple(integral), tuple(derivative))
 
     def prepare(self, known: Known) -> Callable[[Command, float, Triple], Array]:
-        """Without the plan's torques."""
-        return RateLoop(known, self.gains, 0.0).motors
+        """Begin with an integral that holds the arm."""
+        return RateLoop(known, self.gains, self.forward).motors

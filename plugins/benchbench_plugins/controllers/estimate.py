@@ -22,6 +22,8 @@ LONGEST = 0.03
 """s of one step of moving on."""
 RARE = 0.05
 """s between two states beyond which their difference says little of what was commanded in between."""
+BELIEVED = np.array([0.5] * 3 + [0.3] * 4 + [0.5] * 3)
+"""Shares of what is sensed anew in position, attitude and velocity: the rest is noise, which a time without news would keep."""
 KEPT = 60
 """Commands that are remembered, more than a second."""
 NOTHING = np.zeros(4)
@@ -42,12 +44,13 @@ class Estimate:
             known.airframe.gravity,
         )
         self.last: Sensed | None = None
+        self.state = np.zeros(10)
         self.given: deque[tuple[Command, Array]] = deque(maxlen=KEPT)
         self.payload, self.constant = 0.0, np.zeros(3)
 
     def remember(self, other: Estimate) -> None:
         """Go on where another one is, of the same flight."""
-        self.last, self.given = other.last, other.given
+        self.last, self.given, self.state = other.last, other.given, other.state
         self.payload, self.constant = other.payload, other.constant
 
     def told(self, command: Command, change: Array) -> None:
@@ -58,18 +61,36 @@ class Estimate:
         """Return position, quaternion and velocity (10,) a latency from now, and the payload in kg."""
         if sensed is not self.last:
             self._learn(sensed)
+            self.state = self._filtered(sensed)
             self.last = sensed
-        p, q, v = sensed.state[:3], sensed.state[3:7], sensed.state[8:11]
-        omega, time, until = sensed.state[11:14], sensed.time, now + self.latency
+        return self._moved(self.state, sensed.state[11:14], sensed.time, now + self.latency), self.payload
+
+    def _filtered(self, sensed: Sensed) -> Array:
+        """Position, quaternion and velocity (10,): what was sensed, and what the last estimate has become by then."""
+        found, last = np.concatenate([sensed.state[:7], sensed.state[8:11]]), self.last
+        if last is None or not 0 < sensed.time - last.time < RARE:
+            return found
+        omega = (last.state[11:14] + sensed.state[11:14]) / 2
+        old = self._moved(self.state, omega, last.time, sensed.time, omega)
+        old[3:7] *= math.copysign(1.0, float(old[3:7] @ found[3:7]))
+        mixed = old + BELIEVED * (found - old)
+        mixed[3:7] /= np.linalg.norm(mixed[3:7])
+        return mixed
+
+    def _moved(
+        self, state: Array, omega: Array, time: float, until: float, turning: Array | None = None
+    ) -> Array:
+        """A state (10,) some time later, turning at what was commanded, or at what was sensed."""
+        p, q, v = state[:3], state[3:7], state[7:]
         while until - time > 1e-9:
             h = min(LONGEST, until - time)
             middle = time + h / 2
             row, (_, change) = self.reference.row(middle), self._given(middle)
-            asked = self.reference.state[row, 11:14] + change[:3]
+            asked = self.reference.state[row, 11:14] + change[:3] if turning is None else turning
             omega = (omega + asked) / 2
             a = self._model(turned(q, omega * (h / 2)), row, change[3]) + self.constant
             p, v, q, time, omega = p + h * v + h * h / 2 * a, v + h * a, turned(q, omega * h), time + h, asked
-        return np.concatenate([p, q, v]), self.payload
+        return np.concatenate([p, q, v])
 
     def _learn(self, sensed: Sensed) -> None:
         """Compare the change of velocity with what the model gives for the commands in between."""
