@@ -46,9 +46,19 @@ TABLES: dict[str, tuple[tuple[str, ...], ...]] = {
             "mismatch.blind=[0.3,0.3]", "mismatch.ball_mass=[0.1,0.1]", "mismatch.gust=[0.424,0.424]",
         )
     ),
+    **{
+        name: tuple(("residual=observer", f"predictor={p}") for p in ("known", "constant_velocity", "constant_turn", "gp"))
+        for name in ("braking", "turning")
+    },
 }  # fmt: skip
 """Rows of overrides; a gust of 0.424 N along x and along y is one of 0.6 N."""
-PLANS = {"iron": ("+scenario=hardware_circle", "+scenario/contact=approach", "scenario.aim.position=0.6")}
+SLOW = (
+    "+scenario/contact=approach", "scenario.contacts.approach.slope=3", "scenario.contact_seconds=0.2", "scenario.aim.position=0.6",
+)  # fmt: skip
+PLANS = {
+    "iron": ("+scenario=hardware_circle", "+scenario/contact=approach", "scenario.aim.position=0.6"),
+    "braking": ("+scenario=braking", *SLOW), "turning": ("+scenario=turning", *SLOW),
+}  # fmt: skip
 """Plans of tables that are not about `GENTLE`: a ball of 456 g leaves no motor anything on a fast one."""
 ONCE = ("perfect", "payload", "iron")
 """Tables whose world is the same in every flight."""
@@ -61,8 +71,8 @@ def rows(name: str, plan: Sequence[str], flights: int) -> Iterator[str]:
     assert isinstance(case, Case)
     run = pipeline.run(case)
     yield f"`{' '.join(plan)}`: {run.record['travel_time_s']:.4f} s, {'' if run.certificate.certified else 'NOT '}certified\n"
-    yield "| what | success | proved | reasons | before mm | after mm | touch p50 / p95 m/s | command p50 / p99 ms | x real time |"
-    yield "|---|---|---|---|---|---|---|---|---|"
+    yield "| what | success | proved | reasons | before mm | after mm | touch p50 / p95 m/s | command p50 / p99 ms | x real time | plans in the loop, refused; p50 / p99 ms |"
+    yield "|---|---|---|---|---|---|---|---|---|---|"
     for overrides in TABLES[name]:
         asked = (f"flights={1 if name in ONCE else flights}", *overrides)
         found = campaign(*config.composed(*plan, *asked))
@@ -83,8 +93,15 @@ def line(what: str, r: dict) -> str:
         f"| `{what}` | {r['flights_succeeded']}/{r['flights']} | {100 * r['flights_low_exact']:.1f} % | {reasons} "
         f"| {number('flight_error_before_m', 1e3)} | {number('flight_error_after_m', 1e3)} "
         f"| {number('flight_touch_p50_mps')} / {number('flight_touch_p95_mps')} "
-        f"| {number('controller_cpu_p50_s', 1e3)} / {number('controller_cpu_p99_s', 1e3)} | {number('real_time_factor')} |"
+        f"| {number('controller_cpu_p50_s', 1e3)} / {number('controller_cpu_p99_s', 1e3)} | {number('real_time_factor')} "
+        f"| {'-' if not r.get('replans') else told_of_plans(r)} |"
     )
+
+
+def told_of_plans(r: dict) -> str:
+    """What was planned in the loop."""
+    p50, p99 = 1e3 * r["replan_cpu_p50_s"], 1e3 * r["replan_cpu_p99_s"]
+    return f"{r['replans']}, {r['replans_refused']}; {p50:.3g} / {p99:.3g}"
 
 
 def main() -> None:

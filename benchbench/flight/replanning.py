@@ -16,7 +16,7 @@ from benchbench.planning.replan import Replan, Replanner
 from benchbench.storage.flight import Flight, continuous, flight_of, plan_of
 
 INTERVALS = 50
-"""N of a plan in the loop: half of what is planned with before, and so a third of its time."""
+"""N of a plan in the loop: half of what is planned with before."""
 MOST = {"accuracy": "low", "iteration_limit": 60, "time_limit": 5.0}
 """A plan that takes longer comes too late; 1e-4 of the KKT conditions, a tenth of a millimetre, is below what is known of a target."""
 
