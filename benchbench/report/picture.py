@@ -163,7 +163,7 @@ def _header(figure: SubFigure, page: Page, replayed: bool) -> None:
     )
     between = "replay of the inputs" if replayed else "plan"
     keys = [
-        *legend_handles(bool(page.scene.targets)),
+        *legend_handles(bool(page.scene.targets), bool(page.scene.obstacles.outlines)),
         Line2D([], [], color=INK, marker=".", linestyle="", label="planned nodes"),
         Line2D([], [], color=INK, linewidth=1.1, label=between),
         Line2D([], [], color=LIMIT, linewidth=1.1, linestyle=(0, (4, 3)), label="limit"),

@@ -111,8 +111,8 @@ class Scene:
     @property
     def extent(self) -> Array:
         """Size (3,) m of all that is drawn, with room for labels."""
-        drawn = [*self.bodies, *self.targets.values()]
-        return np.asarray(np.ptp(np.concatenate(drawn), axis=0) * (1.06, 1.15, 1.35) + 1e-3)
+        drawn = np.concatenate([*self.bodies, *self.targets.values(), *self.obstacles.outlines.values()])
+        return np.asarray((np.nanmax(drawn, axis=0) - np.nanmin(drawn, axis=0)) * (1.06, 1.15, 1.35) + 1e-3)
 
     @property
     def contact_nodes(self) -> list[int]:
@@ -239,14 +239,15 @@ def label_times(axes: Axes, scene: Scene, plane: tuple[int, int]) -> None:
         )  # fmt: skip
 
 
-def legend_handles(targets: bool) -> list[Line2D]:
-    """Keys of what the views show; `targets`: whether there are any."""
+def legend_handles(targets: bool, obstacles: bool = False) -> list[Line2D]:
+    """Keys of what the views show; `targets`, `obstacles`: whether there are any."""
     target = Line2D([], [], color=TARGET, linewidth=1.4, marker="s", markersize=5, label="target")
     return [
         Line2D([], [], color=FRAME, linewidth=2.2, label="vehicle"),
         Line2D([], [], color=ARM, linewidth=2.2, label="arm"),
         Line2D([], [], color=TOOL, linewidth=1.2, marker="o", markersize=5, label="end effector"),
         *([target] if targets else []),
+        *([Line2D([], [], color=LIMIT, linewidth=1.4, label="obstacle")] if obstacles else []),
     ]
 
 
