@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,11 +55,22 @@ def test_energy(candidate: Configured, record_property: Record) -> None:
 
 
 def _both(candidate: Configured, model: Configured) -> tuple[Dynamics, Model]:
-    """Dynamics and model, unless they cannot meet."""
-    dynamics, vehicle = candidate.build(), model.build()
+    """Dynamics and model, built once for all their checks, unless they cannot meet."""
+    dynamics, vehicle = _built(candidate), _built(model)
     if not dynamics.accepts(vehicle):
         pytest.skip(f"{candidate.name} is not for {model.name}")
     return dynamics, vehicle
+
+
+def _built(candidate: Configured) -> Any:
+    """One of a kind and name, built when it is first asked for; a plugin keeps nothing from one check to the next."""
+    key = (candidate.kind, candidate.name)
+    if key not in _BUILT:
+        _BUILT[key] = candidate.build()
+    return _BUILT[key]
+
+
+_BUILT: dict[tuple[type | None, str], Any] = {}
 
 
 def pendulum(**changes: float) -> Model:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import casadi as ca
@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from benchbench.arrays import Array, Flags
+from benchbench.arrays import Array, Flags, Index
 from benchbench.conformance.checks.require import require
 from benchbench.conformance.checks.states import at_rest
 from benchbench.mpcc.problem import Mpcc
@@ -96,7 +96,13 @@ def fly(model: Model, plan: Plan) -> Plan:
             u = points[0] if len(points) == 1 else bezier(points, (t - t0) / (t1 - t0))
             return np.concatenate([plant.kinematics(y[:n], y[n:]), plant.acceleration(y[:n], y[n:], u)])
 
-        states.append(solve_ivp(flow, (t0, t1), states[-1], method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1])
+        whole = {
+            "method": "DOP853",
+            "rtol": 1e-13,
+            "atol": 1e-14,
+            "first_step": t1 - t0,
+        }  # shortened if it is too long
+        states.append(solve_ivp(flow, (t0, t1), states[-1], **whole).y[:, -1])
     y = np.array(states)
     return replace(plan, configuration=y[:, :n], velocity=y[:, n:])
 
@@ -139,18 +145,35 @@ def integrate(transcribed: Transcribed, order: Plan, guess: Plan | None = None) 
 
 
 def _given(transcribed: Transcribed, x: Array) -> Flags:
-    """Which unknowns decide times, inputs and the first state of the decoded plan; found by moving each."""
+    """Which unknowns decide times, inputs and the first state of the decoded plan; found by moving each.
+
+    Of a column whose later rows change nothing together, they are not moved one by one.
+    """
 
     def said(at: Array) -> Array:
         plan = transcribed.decode(at)
         return np.concatenate([plan.time, plan.inputs.ravel(), plan.configuration[0], plan.velocity[0]])
 
-    before, given = said(x), np.zeros(len(x), bool)
-    for i in range(len(x)):
+    def decide(these: Index) -> bool:
         moved = x.copy()
-        moved[i] += 1e-3
-        given[i] = not np.array_equal(said(moved), before)
+        moved[these] += 1e-3 * np.linspace(
+            1.0, 2.0, len(these)
+        )  # by unequal steps, which no difference hides
+        return not np.array_equal(said(moved), before)
+
+    before, given = said(x), np.zeros(len(x), bool)
+    for column in _columns(transcribed.mpcc):
+        one_by_one = column if decide(column[1:]) else column[:1]
+        for i in one_by_one:
+            given[i] = decide(np.array([i]))
     return given
+
+
+def _columns(mpcc: Mpcc) -> Iterator[Index]:
+    """Places of each variable's columns, one row per node or interval, among the stacked unknowns."""
+    for variable in mpcc.variables:
+        places = np.arange(variable.size) + mpcc.offsets[variable.name]
+        yield from places.reshape(variable.guess.shape).T
 
 
 def _sparse(matrix: ca.DM) -> csc_array:

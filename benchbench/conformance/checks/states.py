@@ -99,8 +99,18 @@ def random_states(model: Model, count: int, seed: int = 0) -> tuple[Array, Array
 def at_rest(model: Model) -> Array:
     """Return the configuration (n_q,) near the middle of the limits that hover() holds at rest.
 
-    What has no limits stays near its value in `Space.origin`.
+    What has no limits stays near its value in `Space.origin`. Found once per model, every check asks for it.
     """
+    if id(model) not in _RESTS:
+        _RESTS[id(model)] = (model, _at_rest(model))
+    return _RESTS[id(model)][1].copy()
+
+
+_RESTS: dict[int, tuple[Model, Array]] = {}
+"""By identity, as a model need not be hashable; the model is kept, so that no other one gets its identity."""
+
+
+def _at_rest(model: Model) -> Array:
     box = model.configuration
     bounded = np.isfinite(box.lower) & np.isfinite(box.upper)
     low, high = limited(box)
