@@ -12,6 +12,8 @@ import pytest
 from sharing import Once, made_once
 from shipped import compose_once
 
+from benchbench.certificate import sequential
+
 # Libraries read it when they are loaded; one worker per core is enough.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 # Tests start hundreds of interpreters: one may compile our files for the next, and pytest keep its rewritten ones.
@@ -48,6 +50,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 def once(tmp_path_factory: pytest.TempPathFactory) -> Once:
     """Make a folder of a name once per session."""
     return partial(made_once, tmp_path_factory.getbasetemp())
+
+
+@pytest.fixture
+def brief_replays(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Plans of unfinished solves are not flown to the end of the replay's patience: most of their seconds, and no verdict."""
+    monkeypatch.setattr(sequential, "EVALUATIONS", 300)
+    monkeypatch.setattr(sequential, "ALLOWANCE", 0)
 
 
 @pytest.fixture(scope="session")

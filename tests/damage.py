@@ -52,7 +52,7 @@ def of_inputs(plan: Plan) -> Iterator[tuple[str, Damage]]:
             f"input {name} of a quarter",
             lambda p, i=i: _inputs(p, i, slice(0, len(p.inputs) // 4), 0.9, -0.1),
         )
-        yield f"input {name} beyond its limits", lambda p, i=i: _inputs(p, i, 3, 1.0, 50.0)
+        yield f"input {name} beyond its limits", lambda p, i=i: _inputs(p, i, 3, 1.0, 10.0)
         yield f"input {name} is infinite", lambda p, i=i: _inputs(p, i, 2, 1.0, np.inf)
     yield "inputs one row late", lambda p: replace(p, inputs=np.roll(p.inputs, 4, axis=0))
     yield "inputs swapped", lambda p: replace(p, inputs=p.inputs[:, [1, 0, *range(2, len(p.input_names))]])

@@ -29,6 +29,7 @@ UNFINISHED = {
 """Solvers and combinations that do not end well in 60 iterations either: fewer say the same of their records."""
 
 
+@pytest.mark.usefixtures("brief_replays")
 @pytest.mark.parametrize(("dynamics", "relaxation", "solver"), COMBINATIONS)
 def test_combination(dynamics: str, relaxation: str, solver: str) -> None:
     few = bool(UNFINISHED & {solver, (dynamics, relaxation, solver)})

@@ -427,6 +427,7 @@ def coarse() -> Case:
     return replace(few, guess=Given(few.guess.plan(few, Ledger(60.0))))
 
 
+@pytest.mark.usefixtures("brief_replays")
 @pytest.mark.parametrize("name", NAMES)
 def test_handover_ends_with_an_honest_verdict(name: str, coarse: Case) -> None:
     done = run(replace(coarse, relaxation=case(name).relaxation))

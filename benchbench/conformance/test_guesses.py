@@ -22,7 +22,7 @@ GUESSES = pytest.mark.parametrize("candidate", candidates("guesses"), ids=lambda
 )
 def case(request: pytest.FixtureRequest) -> Case:
     """A target at rest and a moving one, the attitude in angles and as a quaternion, on a coarse grid."""
-    return config.compose(*f"+scenario={request.param}".split(), "scenario.intervals=16", "compile=never")
+    return config.compose(*f"+scenario={request.param}".split(), "scenario.intervals=12", "compile=never")
 
 
 @pytest.fixture(scope="module")
