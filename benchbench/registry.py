@@ -14,6 +14,9 @@ FAMILIES = (
     "scenarios", "task_families", "worlds", "controllers", "autopilots", "residuals", "payloads", "predictors",
 )  # fmt: skip
 
+PARTS = ("costs",)
+"""Groups of entry points beside them: what stands in the YAML of a scenario, and no name on the command line chooses."""
+
 
 @dataclass(frozen=True)
 class Plugin:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -157,3 +158,39 @@ def test_the_block_obeys_friction_and_wall(tmp_path: Path) -> None:
     assert place == pytest.approx(1.0, abs=1e-6) and wall[-1] >= 3.0 - 1e-6
     # In the last step, at rest, friction may point either way: least effort takes all of it to press the wall.
     assert wall[-1] - (v[-2] / h + u[-1]) == pytest.approx(2.0, abs=1e-4)
+
+
+def test_runs_with_own_parts_are_read_again_where_these_are_installed(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Results are data: what they name has to be installed, an obstacle and a cost as well as a robot."""
+    own(monkeypatch, "obstacle")
+    cost = own(monkeypatch, "cost")
+    run = bb.plan(cost, "+scenario=low", "scenario.intervals=25", "strategy=phases", f"output={tmp_path}",
+                  "+scenario.obstacles.sphere={_target_: sphere.Sphere, centre: [1.8, 0.5, 0.6], radius: 0.3}")  # fmt: skip
+    folder = run.save(tmp_path / "kept")
+    with pytest.raises(bb.BadInput, match=r"height\.Height.*no installed plugin"):
+        bb.load(folder).source.scene()
+    for name in ("obstacle", "cost"):
+        _install(EXAMPLES / name, tmp_path / "site")
+    monkeypatch.syspath_prepend(str(tmp_path / "site"))
+    scenario, _, replay = bb.load(folder).source.scene()
+    assert (list(scenario.obstacles), list(scenario.costs)) == (
+        ["sphere"],
+        ["height", "effort"],
+    ) and replay is not None
+
+
+def _install(example: Path, site: Path) -> None:
+    """What pip leaves of the entry points of its pyproject.toml."""
+    project = tomllib.loads((example / "pyproject.toml").read_text())["project"]
+    info = site / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text(
+        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
+    )
+    groups = (
+        "\n".join([f"[{group}]", *(f"{name} = {target}" for name, target in entries.items())])
+        for group, entries in project["entry-points"].items()
+    )
+    (info / "entry_points.txt").write_text("\n".join(groups) + "\n")

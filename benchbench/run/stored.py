@@ -7,6 +7,7 @@ from typing import Any
 
 from omegaconf import OmegaConf
 
+from benchbench import registry
 from benchbench.certificate.limits import Limits
 from benchbench.errors import BadInput
 from benchbench.mpcc.ready import ReadyMade
@@ -15,7 +16,7 @@ from benchbench.ocp.scenario import Scenario
 from benchbench.run import trust
 from benchbench.run.config import make, scenario_of
 
-SCENE = ("models", "motions", "contacts", "collections", "scenarios")
+SCENE = ("models", "motions", "contacts", "collections", "scenarios", *registry.PARTS)
 """Families of plugins that scenario and vehicle are made of."""
 
 

@@ -24,7 +24,7 @@ SPECIAL = ("_args_", "_partial_", "_recursive_")
 """Further keys that change what Hydra makes of a node."""
 
 
-def check(tree: Any, place: str, families: Collection[str] = registry.FAMILIES) -> None:
+def check(tree: Any, place: str, families: Collection[str] = (*registry.FAMILIES, *registry.PARTS)) -> None:
     """Raise BadInput where a part of a configuration names something else than an installed plugin of these families.
 
     tree: plain values that stood at `place` of the configuration. Text with an interpolation is refused, too.
