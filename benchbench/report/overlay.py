@@ -28,6 +28,8 @@ COLOURS = ("#0072B2", "#D55E00")
 """Blue and vermilion keep apart for red-green blind readers, and as greys."""
 STYLES: tuple[Any, Any] = ("-", (0, (5, 1.5)))
 WIDTH_IN, ROW_IN, COLUMNS = 14.0, 1.9, 4
+LABELS_IN, HIGHEST_IN = 0.8, 7.0
+"""What title and labels of a view take, and how high it gets, in."""
 
 
 @dataclass(frozen=True)
@@ -63,16 +65,25 @@ def overlay(one: Side, other: Side) -> Figure:
         titles = list(dict.fromkeys([*found[0], *found[1]]))
         planes = [plane for plane in VIEWS if any(plane in scene.planes for scene in scenes)]
         rows = ceil(len(titles) / COLUMNS)
-        heights = [0.55, 2.6 * len(planes), ROW_IN * rows]
+        views = [_height(scenes, plane) for plane in planes]
+        heights = [0.55, sum(views), ROW_IN * rows]
         figure = Picture(figsize=(WIDTH_IN, sum(heights)), facecolor="white", layout="constrained")
         header, top, bottom = figure.subfigures(3, 1, height_ratios=heights, squeeze=False)[:, 0]
         _header(header, (one, other))
         for axes, plane in zip(
-            top.subplots(len(planes), 1, squeeze=False, sharex=True)[:, 0], planes, strict=True
+            top.subplots(len(planes), 1, squeeze=False, sharex=True, height_ratios=views)[:, 0],
+            planes,
+            strict=True,
         ):
             _paths(axes, scenes, plane)
         _grid(bottom, titles, found, (one, other))
         return figure
+
+
+def _height(scenes: Sequence[Scene], plane: tuple[int, int]) -> float:
+    """Height (in) of a view in which both are drawn to the scale of the width, within reason."""
+    wide, high = (max(float(scene.extent[axis]) for scene in scenes) for axis in plane)
+    return float(np.clip(LABELS_IN + WIDTH_IN * high / wide, 2.6, HIGHEST_IN))
 
 
 def _header(figure: SubFigure, sides: Sequence[Side]) -> None:
