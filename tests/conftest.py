@@ -36,6 +36,9 @@ LONGEST = (
     "test_report",
     "test_third_party",
     "test_cluster",
+    "test_face",
+    "test_stops",
+    "test_identity",
 )
 """Files that begin first, so that no core is left waiting for one of their tests in the end."""
 

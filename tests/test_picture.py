@@ -95,7 +95,8 @@ def compose(
         figure = picture.compose(
             picture.page(plan, scenario, model, flight, title, verdict), flight is not None
         )
-        FigureCanvasAgg(figure).draw()
+        FigureCanvasAgg(figure)
+        figure.draw_without_rendering()  # places and extents; nobody looks at its pixels
     return figure
 
 
