@@ -179,6 +179,15 @@ def test_a_replay_that_runs_away_does_not_set_the_scale() -> None:
     assert space.xaxis.range[1] < 4 and space.zaxis.range[1] < 2
 
 
+def test_the_floor_is_drawn_where_it_is_near() -> None:
+    model, plan = vehicle(), curved_plan(vehicle())
+    for level, seen in ((0.3, True), (-2.0, False)):
+        made = view(scene(plan, task(workspace={"z": (level, 9.0)}), model, None))
+        floors = [trace for trace in made.data if trace.name == "lowest for the vehicle"]
+        assert [set(trace.z) for trace in floors] == [{np.float32(level)}] * seen
+        assert (made.layout.scene.zaxis.range[0] <= level) is seen
+
+
 def test_one_run(results: Path) -> None:
     only(results, 1, certified=True)
     report = content(collect([results]), [results], "One", 5)

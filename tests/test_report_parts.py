@@ -88,7 +88,18 @@ def test_errors_of_travel_times_are_measured_on_the_finest_grid() -> None:
 def test_what_a_race_has_no_number_for_is_drawn() -> None:
     some = runs(kappa_init=pd.array([None] * 4, "Int64"))
     made = over(some, styles(some.method), "intervals").figure
-    assert made is not None and sum(len(trace.x) for trace in made.data) == 4
+    assert made is not None and sum(np.isfinite(trace.x).sum() for trace in made.data) == 4
+
+
+def test_no_line_joins_two_series() -> None:
+    """One trace for a method, with a gap where another task begins."""
+    some = runs(task=["a", "b", "a", "b"], method=["x"] * 4, certified=[True, True, True, False])
+    made = over(some, styles(some.method), "intervals").figure
+    assert made is not None
+    (trace,) = made.data
+    assert [None if np.isnan(x) else x for x in trace.x] == [20, 40, None, 20, 40]
+    assert trace.y[[0, 1, 3, 4]].tolist() == [2.02, 2.0, 1.98, 2.002]
+    assert list(trace.marker.symbol) == ["circle", "circle", "circle", "circle", "circle-open"]
 
 
 def settings(field: str, values: list[float], **other: list[object]) -> list[dict[str, object]]:

@@ -72,12 +72,13 @@ def gathered(
         records = found.rows.to_pylist(maps_as_pydicts="strict") if bundles or everything else []
         roots = [(str(bundles[p].folder if p in bundles else p), p, bundles.get(p)) for p in places]
         origins = [_origin(folder, roots) for folder in found.folders]
+        certified = found.rows["certified"].to_pylist()
         anew: list[Anew | None] = []
         for number, (folder, (_, bundle)) in enumerate(zip(found.folders, origins, strict=True)):
             asked = (everything or bundle is not None) and not trust
             if asked:
                 hear(f"judging plan {number + 1} of {len(origins)} again")
-            anew.append(recertify(folder) if asked else None)
+            anew.append(recertify(folder, not certified[number]) if asked else None)
         rows = found.rows
         if records:
             rows = table_of(_corrected(record, one) for record, one in zip(records, anew, strict=True))
@@ -120,8 +121,10 @@ def _corrected(record: Record, anew: Anew | None) -> dict[str, Any]:
     """A record where a plan that is refused here is not certified, whatever is written there; a refusal there stays one."""
     if anew is None or anew.certified is None:
         return record
+    if not record["certified"]:
+        return record
     corrected = {**record, "travel_time_s": anew.travel_time}
-    if anew.certified or not record["certified"]:
+    if anew.certified:
         return corrected
     return {
         **corrected, "certified": False, "status": Status.UNCERTIFIED, "reasons": [*anew.reasons], "gap_percent": None,

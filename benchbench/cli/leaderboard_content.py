@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 import shlex
 from collections import Counter
@@ -85,11 +86,12 @@ def board(
 
 
 def _runs(found: Gathered, named: pd.DataFrame) -> Iterator[_Run]:
-    certified = named.certified.fillna(False).astype(bool).tolist()  # a refusal there stays one
+    reasons = found.rows["reasons"].to_pylist()
     for row, (anew, method) in enumerate(zip(found.anew, named.method, strict=True)):
-        if anew is not None and anew.certified is not None and anew.travel_time is not None:
-            why = "; ".join(anew.reasons) or "refused where it was made"
-            yield _Run(row, method, anew.asked, anew.certified and certified[row], anew.travel_time, why)
+        if anew is not None and anew.certified is not None:
+            why = "; ".join(anew.reasons or reasons[row] or [anew.said])
+            time = anew.travel_time if anew.travel_time is not None else math.inf
+            yield _Run(row, method, anew.asked, anew.certified, time, why)
 
 
 def _task_names(

@@ -22,7 +22,7 @@ from benchbench.run import trust
 from benchbench.run.choices import choices
 from benchbench.run.config import folder as conf
 from benchbench.run.failure import reason
-from benchbench.run.stored import scene_parts
+from benchbench.run.stored import SCENE, scene_parts
 from benchbench.storage.configuration import configuration
 from benchbench.storage.files import PLAN
 from benchbench.storage.playback import read_mcap
@@ -46,14 +46,19 @@ class Anew:
     asked: str = ""
 
 
-def recertify(folder: Path | None) -> Anew:
-    """Judge the plan in a run's folder; raises nothing for whatever lies there."""
+def recertify(folder: Path | None, refused: bool = False) -> Anew:
+    """Judge the plan in a run's folder; raises nothing for whatever lies there.
+
+    refused: where it was made, which is believed, so that it is not flown again.
+    """
     if folder is None or not (folder / PLAN).is_file():
         return Anew(None, "there is no plan to certify")
     try:
         tree = configuration(folder)
         if tree is None:
             return Anew(None, "its configuration is missing, so nobody knows what was asked")
+        if refused:
+            return Anew(False, "refused where it was made", asked=_asked(tree))
         return _judged(folder, tree)
     except (BenchBenchError, OSError, ValueError) as error:
         return Anew(None, f"it cannot be certified here: {reason(error)}")
@@ -88,9 +93,15 @@ def _judged(folder: Path, tree: Mapping[str, Any]) -> Anew:
     found = certify(plan, scenario, model, limits)
     instead = f", instead of its own {', '.join(differing)}" if differing else ""
     said = f"{'certified' if found.certified else 'refused'} anew by the limits of '{name}'{instead}"
-    trust.check(tree.get("dynamics"), "dynamics")
-    asked = asked_hash(OmegaConf.create({key: tree.get(key) for key in ("scenario", "vehicle")}))
-    return Anew(found.certified, said, found.reasons, plan.travel_time, asked)
+    return Anew(found.certified, said, found.reasons, plan.travel_time, _asked(tree))
+
+
+def _asked(tree: Mapping[str, Any]) -> str:
+    """Hash of scenario and vehicle; raises BadInput where they are not made of installed plugins."""
+    parts = {family: tree.get(family) for family in ("scenario", "vehicle")}
+    for family, part in parts.items():
+        trust.check(part, family, SCENE)
+    return asked_hash(OmegaConf.create(parts))
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
 
@@ -16,13 +17,8 @@ ROOM_LEFT, ROOM_RIGHT = 0.06, 0.6
 def add_runs(made: go.Figure, runs: pd.DataFrame, x: str, y: str, styles: Styles) -> None:
     """Add the runs of each method and series; points of a series (column `series`) are joined by a line."""
     narrow = runs[[x, y, "method", "series", "certified", "problem", "status"]]
-    seen: set[str] = set()
-    traces = []
-    for (named, _), some in narrow.groupby(["method", "series"], sort=False):
-        method = str(named)
-        traces.append(_trace(method, some.sort_values(x), x, y, styles[method], method not in seen))
-        seen.add(method)
-    made.add_traces(traces)
+    groups = narrow.groupby("method", sort=False)
+    made.add_traces([_trace(str(method), some, x, y, styles[str(method)]) for method, some in groups])
     made.update_layout(showlegend=True)  # of one method, too
 
 
@@ -56,13 +52,16 @@ def name_tasks(made: go.Figure, runs: pd.DataFrame, x: str, y: str) -> None:
     made.update_xaxes(range=[low - ROOM_LEFT * width, high + ROOM_RIGHT * width])
 
 
-def _trace(method: str, some: pd.DataFrame, x: str, y: str, style: Style, first: bool) -> go.Scatter:
+def _trace(method: str, some: pd.DataFrame, x: str, y: str, style: Style) -> go.Scatter:
+    """All of a method as one trace, with a gap between two series: many small traces take long."""
+    some = some.sort_values(["series", x], kind="stable")
+    gaps = np.flatnonzero(some.series.to_numpy()[1:] != some.series.to_numpy()[:-1]) + 1
     symbols = [style.symbol if ok else f"{style.symbol}-open" for ok in some.certified.fillna(False)]
     told = {
-        "x": some[x].astype(float), "y": some[y].astype(float), "name": method, "legendgroup": method,
-        "showlegend": first, "mode": "lines+markers", "line": {**line(style), "width": 1},
-        "marker": {"symbol": symbols, "size": 9, "color": style.color},
-        "customdata": some[["problem", "status"]].astype(str).to_numpy(),
+        "x": np.insert(some[x].to_numpy(float), gaps, np.nan), "y": np.insert(some[y].to_numpy(float), gaps, np.nan),
+        "name": method, "mode": "lines+markers", "line": {**line(style), "width": 1},
+        "marker": {"symbol": np.insert(np.array(symbols, object), gaps, style.symbol).tolist(), "size": 9, "color": style.color},
+        "customdata": np.insert(some[["problem", "status"]].astype(str).to_numpy(object), gaps, "", axis=0).tolist(),
         "hovertemplate": "%{customdata[0]}<br>%{customdata[1]}<br>%{x:.4g}, %{y:.4g}",
     }  # fmt: skip
     return go.Scatter(told)

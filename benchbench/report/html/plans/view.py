@@ -14,7 +14,8 @@ from benchbench.report.views import Scene, skeleton
 
 FRAMES = 60
 """About how many instants are shown; those in contact always are."""
-MARGIN_M = 0.15
+MARGIN_M, FLOOR_M = 0.15, 0.4
+"""Room around what is drawn; how far below that the floor is drawn, too."""
 ABOVE = (0.0, 0.0, 0.6)
 """Where the number of a gate stands, from its centre, m."""
 DIAGONAL, LONGEST = 1.95, 1.5
@@ -54,7 +55,7 @@ def _name(scene: Scene, node: int) -> str:
 
 def _paths(scene: Scene) -> list[go.Scatter3d]:
     if scene.marks.coloured:
-        return [*_marks(scene), _coloured_path(scene)]
+        return [*_marks(scene), *_floor(scene), _coloured_path(scene)]
     lines = [(f"path of {name}", target, TARGET, 3) for name, target in scene.targets.items()]
     lines.append(("end effector, planned", scene.tool, TOOL, 4))
     if scene.flown is not None:
@@ -63,7 +64,7 @@ def _paths(scene: Scene) -> list[go.Scatter3d]:
         _line(points, color, width, name=name, hoverinfo="skip", showlegend=i >= len(scene.targets))
         for i, (name, points, color, width) in enumerate(lines)
     ]
-    return [*paths, *(_marks(scene) if scene.standing else [])]
+    return [*paths, *_floor(scene), *(_marks(scene) if scene.standing else [])]
 
 
 def _marks(scene: Scene) -> list[go.Scatter3d]:
@@ -157,11 +158,27 @@ def _inside(scene: Scene, path: Array) -> Array:
     return np.where(np.all((path >= low) & (path <= high), axis=1, keepdims=True), path, np.nan)
 
 
+def _floor(scene: Scene) -> list[go.Scatter3d]:
+    """The edge of the floor below which the vehicle may not be, where it is near."""
+    level = float(scene.space[0][2])
+    (x0, y0, bottom), (x1, y1, _) = _box(scene)
+    if not bottom <= level:
+        return []
+    edge = np.array([[x0, y0, level], [x1, y0, level], [x1, y1, level], [x0, y1, level], [x0, y0, level]])
+    floor = _line(edge, LIMIT, 3, name="lowest for the vehicle", hoverinfo="skip", showlegend=True)
+    floor.line.dash = "dash"
+    return [floor]
+
+
 def _box(scene: Scene) -> tuple[Array, Array]:
     drawn = [scene.tool, *scene.targets.values(), *(line for _, _, line in scene.standing), _above(scene)]
     drawn += [*(p for k in frame_nodes(scene) for p in skeleton(scene, k).values())]
     points = np.concatenate(drawn)
-    return np.nanmin(points, axis=0) - MARGIN_M, np.nanmax(points, axis=0) + MARGIN_M
+    low, high = np.nanmin(points, axis=0) - MARGIN_M, np.nanmax(points, axis=0) + MARGIN_M
+    floor = scene.space[0][2]
+    if low[2] - FLOOR_M < floor < high[2]:
+        low[2] = min(low[2], floor - 0.01)
+    return low, high
 
 
 def _space(scene: Scene) -> dict[str, Any]:
