@@ -13,6 +13,7 @@ from sharing import Once, made_once
 from shipped import compose_once
 
 from benchbench.certificate import sequential
+from benchbench.run import working
 
 # Libraries read it when they are loaded; one worker per core is enough.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -20,6 +21,9 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 compose_once()
+working.SILENT_S = (
+    600.0  # what takes long on a busy machine says no more than on another; test_working.py asks for it
+)
 
 
 def pytest_collection_finish() -> None:

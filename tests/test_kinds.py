@@ -27,6 +27,7 @@ from benchbench.ocp.scenario import Scenario, at_rest
 from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.report.style import TARGET
+from benchbench.storage.collect import collect
 from benchbench.storage.playback import read_mcap
 
 ROOT = Path(__file__).parents[1]
@@ -121,7 +122,7 @@ def test_it_is_drawn(flown: SimpleNamespace) -> None:
 
 
 def test_it_is_shown_in_a_report(flown: SimpleNamespace) -> None:
-    shown = report_content.content([flown.results], None, 1)
+    shown = report_content.content(collect([flown.results]), [flown.results], None, 1)
     assert shown.missing == []
     (plan,) = shown.plans
     assert "ball" in {trace.name for trace in plan.view.data}
