@@ -13,6 +13,7 @@ import pytest
 from benchbench import pipeline
 from benchbench.analysis.binomial import exact_bound
 from benchbench.certificate.replay import replay
+from benchbench.errors import BadInput, BenchBenchError, Unavailable
 from benchbench.flight.campaign import Campaign
 from benchbench.flight.columns import columns, table
 from benchbench.flight.controller import PERIOD, Controller, Known
@@ -33,11 +34,13 @@ from benchbench.ocp.airframe import FlownModel
 from benchbench.ocp.motion import Motion
 from benchbench.planning.case import Case
 from benchbench.run import config
+from benchbench.run.filming import film_flight
 from benchbench.run.flying import campaign
 from benchbench_plugins.predictors.constant_turn import ConstantTurn
 
 pytest.importorskip("mujoco", reason="mujoco is not installed")
 pytest.importorskip("daqp", reason="daqp is not installed")
+imageio_ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="imageio-ffmpeg is not installed")
 SAMPLED = ("time", "state", "inputs", "acceleration", "target")
 GENTLE = ("+scenario=circle", "+scenario/contact=approach", "residual=observer")
 
@@ -332,6 +335,35 @@ def test_a_flight_is_recorded(flown: pipeline.Run, tmp_path: Path) -> None:
     assert next(c["time"] for c in contact if c["attached"]) == pytest.approx(
         one.verdict.attached_s, abs=0.021
     )
+
+
+def test_a_recorded_flight_is_filmed(flown: pipeline.Run, tmp_path: Path) -> None:
+    """Two pictures a second as MP4, where MuJoCo can draw (MUJOCO_GL=egl, before it is imported); else the reason is told."""
+    from omegaconf import OmegaConf
+
+    from benchbench.flight.recording import write_flight
+
+    recording, config_file = tmp_path / "flight.mcap", tmp_path / "config.yaml"
+    assert flown.flights is not None and isinstance(flown.case, Case)
+    one = flown.flights.flown[0]
+    write_flight(recording, flown.flights.reference, one, flown.case.scenario, flown.case.model, {})
+    with pytest.raises(BadInput, match="of a run that was flown"):
+        film_flight(recording, tmp_path / "flight.mp4", 2.0)
+    for world, output, says in (
+        ("mujoco", "flight.gif", r"\.mp4"),
+        ("ode", "flight.mp4", "no pictures of itself"),
+    ):
+        config_file.write_text(OmegaConf.to_yaml(config.composed(*GENTLE, f"world={world}")[0]))
+        with pytest.raises(BenchBenchError, match=says):
+            film_flight(recording, tmp_path / output, 2.0)
+    config_file.write_text(OmegaConf.to_yaml(config.composed(*GENTLE)[0]))
+    try:
+        made = film_flight(recording, tmp_path / "flight.mp4", 2.0)
+    except Unavailable as error:
+        pytest.skip(str(error))
+    frames, seconds = imageio_ffmpeg.count_frames_and_secs(str(made))
+    assert abs(seconds - (one.log.time[-1] - 0.0)) < 1.0 and abs(frames - 2 * seconds) <= 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["config.yaml", "flight.mcap", "flight.mp4"]
 
 
 def test_the_page_shows_what_success_costs() -> None:

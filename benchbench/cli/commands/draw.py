@@ -16,7 +16,9 @@ examples
   benchbench draw results/sweeps/DATE/TIME                     all runs of a sweep that have none yet
   benchbench draw results/runs/DATE/TIME --output plan.pdf     for a paper: .pdf, .svg, fonts embedded
   benchbench draw results/runs/DATE/TIME --output plan.gif     as it is flown: .gif, .mp4
+  benchbench draw results/runs/DATE/TIME/flight.mcap           the flight that was recorded, as MuJoCo shows it: flight.mp4
 """
+FLIGHT = "flight.mcap"
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -25,6 +27,8 @@ def run(arguments: Sequence[str]) -> int:
 
     asked = parser().parse_args(arguments)
     _check(asked)
+    if asked.run[0].name == FLIGHT:
+        return _film(asked)
     drawn: list[Path] = []
     for given in asked.run:
         found = _runs(given)
@@ -39,6 +43,16 @@ def run(arguments: Sequence[str]) -> int:
     for path in drawn:
         print(path)
     print(f"{len(drawn)} picture{'' if len(drawn) == 1 else 's'} drawn")
+    return 0
+
+
+def _film(asked: Namespace) -> int:
+    """The video of a flight that was recorded."""
+    from benchbench.run.filming import film_flight
+
+    if not asked.run[0].is_file():
+        raise BadInput(str(asked.run[0]), "does not exist", f"the {FLIGHT} of a run")
+    print(film_flight(asked.run[0], asked.output or asked.run[0].with_suffix(".mp4"), asked.fps))
     return 0
 
 

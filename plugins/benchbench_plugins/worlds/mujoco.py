@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from benchbench.arrays import Array
 from benchbench.flight.extra import need
+from benchbench.flight.filmed import Filmed, Scene
 from benchbench.flight.inertia import rigid
 from benchbench.flight.mismatch import Drawn
 from benchbench.flight.reference import Reference
@@ -18,6 +20,7 @@ from benchbench.flight.world import STEP, Actuators, Truth, World
 from benchbench.ocp.airframe import Airframe
 from benchbench_plugins.worlds.devices import Devices
 from benchbench_plugins.worlds.mjcf import TIP, Ball, mjcf
+from benchbench_plugins.worlds.rendering import pictures
 from benchbench_plugins.worlds.surroundings import Surroundings
 
 TOUCHING = 5e-4
@@ -27,7 +30,7 @@ VEHICLE, STAND, BALL = 7, 10, 17
 
 
 @final
-class Mujoco(World):
+class Mujoco(World, Filmed):
     """MuJoCo: independent code, with contacts, friction and a carried mass.
 
     servo_stiffness, servo_damping   N m/rad and N m s/rad of the servo's own loop
@@ -47,6 +50,10 @@ class Mujoco(World):
         place(data, reference.state[0], reference.target[0], ball.radius)
         devices = Devices(rig, mismatch, reference.inputs[0, :4], self.servo)
         return _Running(model, data, reference, mismatch, devices).step
+
+    def pictures(self, scene: Scene) -> Iterator[NDArray[np.uint8]]:
+        """Drawn by MuJoCo."""
+        return pictures(scene)
 
 
 def compiled(airframe: Airframe, rig: Rig, ball: Ball, mismatch: Drawn) -> tuple[Any, Any]:
