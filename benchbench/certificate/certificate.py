@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from benchbench.certificate.check import Check
-from benchbench.certificate.replay import Replay
+from benchbench.certificate.replay import Defects, Replay
 
 Record = dict[str, Any]
 NEAR = 0.5
@@ -46,11 +46,12 @@ class Measures:
 
 @dataclass(frozen=True)
 class Certificate:
-    """Valid only if every check is; `flight` is the dense replay, None when the plan could not be flown."""
+    """Valid only if every check is; `flight` is the dense replay, `missed` what each interval misses; None when the plan could not be flown."""
 
     checks: tuple[Check, ...]
     measures: Measures
     flight: Replay | None
+    missed: Defects | None = None
 
     @property
     def certified(self) -> bool:

@@ -45,7 +45,7 @@ def certify(
         else [breakdown(asked.evidence)]
     )
     measures = replace(asked.measures, **_problem(residuals), costs=spent(asked.evidence) or None)
-    return Certificate((*sound, *solved, *found), measures, asked.evidence.flight)
+    return Certificate((*sound, *solved, *found), measures, asked.evidence.flight, asked.evidence.missed)
 
 
 def certify_problem(residuals: Residuals, limits: ProblemLimits) -> Certificate:

@@ -10,7 +10,7 @@ from benchbench.arrays import Array, Flags
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.difference import angle, distance, rate, speed
 from benchbench.certificate.limited import Limited
-from benchbench.certificate.replay import Defects, Replay, defects
+from benchbench.certificate.replay import Replay, defects
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
@@ -34,7 +34,7 @@ MOST = 0.75
 
 def marked(plan: Plan, found: Certificate, case: Case) -> Flags:
     """Tell which intervals to halve, (N,); all where most would be."""
-    missed = _defects(plan, defects(plan, case.model.plant()), case)
+    missed = _defects(plan, found, case)
     chosen = np.maximum(missed, _overshoot(plan, found, case)) > MARKED
     summed = [c.value / c.limit for c in found.broken if not c.name.startswith(ALONE) and c.limit > 0]
     if summed:
@@ -54,7 +54,7 @@ def exceeded(result: Result, found: Certificate, case: Case, step: Step, correct
     plan = result.plan
     chosen = _overshoot(plan, found, case) > EXCEEDED if step.rates else np.zeros(plan.intervals, bool)
     if corrected:
-        chosen |= _defects(plan, defects(plan, case.model.plant()), case) > 1.0
+        chosen |= _defects(plan, found, case) > 1.0
     return np.asarray(chosen | touching(plan)) if step.contacts else np.asarray(chosen)
 
 
@@ -98,9 +98,9 @@ def halved(grid: Grid, chosen: Flags) -> Mesh:
     }
 
 
-def _defects(plan: Plan, missed: Defects, case: Case) -> Array:
+def _defects(plan: Plan, found: Certificate, case: Case) -> Array:
     """Largest defect of each interval as a share of its limit, (N,)."""
-    limits = case.limits
+    limits, missed = case.limits, found.missed or defects(plan, case.model.plant())
     shares = (
         distance(plan, missed.configuration) / limits.defect_position,
         angle(plan, missed.configuration) / limits.defect_angle,
