@@ -123,7 +123,10 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
     except EXPECTED as error:
         raise explained(error) from None
     _check_run(cfg, chosen)
-    parts = {family: make(cfg, family) for family in _families(cfg)}
+    families = _families(cfg)
+    scenario = make(cfg, "scenario")  # before the others are imported: most mistakes are in its numbers
+    task = scenario if isinstance(scenario, ReadyMade) else scenario_of(scenario)
+    parts = {family: task if family == "scenario" else make(cfg, family) for family in families}
     names = {family: str(chosen.get(family) or "custom") for family in parts if family != "scenario"}
     names["strategy"] = _nested(names["strategy"], chosen)
     how = {
@@ -160,7 +163,7 @@ def _flight(parts: Mapping[str, Any], names: Mapping[str, str], how: Mapping[str
         raise BadInput(
             "certificate", f"'{names['certificate']}' is for problems that are no flight", "task, race"
         )
-    scenario = scenario_of(parts["scenario"])
+    scenario = parts["scenario"]
     return Case(
         scenario=scenario, model=parts["vehicle"], dynamics=parts["dynamics"], guess=parts["guess"],
         names={"scenario": scenario.name, **names}, **how,

@@ -43,6 +43,7 @@ class Backend:
     fixed    CasADi options that belong to this problem only (structure, integrality)
     watched  it calls `iteration_callback`, so its progress can be shown
     timed    it stops at a time limit by itself; what is watched but not timed is stopped by us
+    wall     the clock that it goes by is the wall's; else CPU
     """
 
     plugin: str
@@ -51,6 +52,7 @@ class Backend:
     fixed: Mapping[str, Any] | None = None
     watched: bool = False
     timed: bool = True
+    wall: bool = True
 
 
 def prepare(backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, Any]) -> Prepared:
@@ -121,7 +123,7 @@ def _runner(
         began = time.perf_counter()
         with quiet(setup.progress is None):
             outcome = _run(solver, bounded, backend.claims, watch, p, start, setup.iterations)
-        took = time.perf_counter() - began if backend.timed else outcome.cpu_s
+        took = time.perf_counter() - began if backend.timed and backend.wall else outcome.cpu_s
         return _limited(outcome, setup, took)
 
     return solve
@@ -130,7 +132,7 @@ def _runner(
 def _limited(outcome: Outcome, setup: Setup, took: float) -> Outcome:
     """Name the limit that an outcome is due to: CasADi calls both the same, some backends neither.
 
-    took: seconds of the clock that limits it, which is the wall's in most libraries; a backend may overrun its limit by far where it looks at its clock between iterations only.
+    took: seconds of the clock that limits it; a backend may overrun its limit by far where it looks at its clock between iterations only.
     """
     if outcome.claim not in ("failed", "iteration_limit"):
         return outcome

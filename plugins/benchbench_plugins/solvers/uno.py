@@ -36,7 +36,9 @@ class Uno(Solver):
 
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
         """Assemble and build."""
-        return casadi_nlp.prepare(Backend("uno", CLAIMS), mpcc, setup, {"uno": self.native_options(setup)})
+        return casadi_nlp.prepare(
+            Backend("uno", CLAIMS, wall=False), mpcc, setup, {"uno": self.native_options(setup)}
+        )
 
     def native_options(self, setup: Setup) -> dict[str, Any]:
         """Uno's primal_tolerance, dual_tolerance, max_iterations and time_limit."""
