@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from benchbench.run.recertify import Anew, recertify
+from benchbench.run.recertify import REFUSED, Anew, recertify
 from benchbench.storage.bundle import Bundle, is_bundle, machine_name, opened
 from benchbench.storage.collect import collect
 from benchbench.storage.schema import Record, Status
@@ -45,13 +45,17 @@ class Gathered:
     @property
     def said(self) -> str:
         """What was certified anew, in one line, "" where nothing was to be."""
-        judged = [one for one in self.anew if one is not None]
-        if not judged:
+        seen = [one for one in self.anew if one is not None]
+        if not seen:
             return ""
-        counts = [sum(one.certified is answer for one in judged) for answer in (True, False, None)]
-        words = ("certified anew here", "refused", "without a plan that can be judged here")
-        parts = ", ".join(f"{count} {word}" for count, word in zip(counts, words, strict=True) if count)
-        return f"{len(judged)} runs judged again: {parts}"
+        counts = {
+            "certified anew here": sum(one.certified is True for one in seen),
+            "refused here": sum(one.certified is False and one.said != REFUSED for one in seen),
+            REFUSED: sum(one.said == REFUSED for one in seen),
+            "without a plan that can be judged here": sum(one.certified is None for one in seen),
+        }
+        parts = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+        return f"{len(seen)} runs judged again: {parts}"
 
 
 @contextmanager

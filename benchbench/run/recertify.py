@@ -30,6 +30,9 @@ from benchbench.storage.playback import read_mcap
 NO_PART = ("_target_", "stationarity", "stationarity_seconds")
 """Fields of limits that certify nothing."""
 
+REFUSED = "refused where it was made"
+"""What is said of a plan that is not flown again."""
+
 
 @dataclass(frozen=True)
 class Anew:
@@ -58,7 +61,7 @@ def recertify(folder: Path | None, refused: bool = False) -> Anew:
         if tree is None:
             return Anew(None, "its configuration is missing, so nobody knows what was asked")
         if refused:
-            return Anew(False, "refused where it was made", asked=_asked(tree))
+            return Anew(False, REFUSED, asked=_asked(tree))
         return _judged(folder, tree)
     except (BenchBenchError, OSError, ValueError) as error:
         return Anew(None, f"it cannot be certified here: {reason(error)}")
