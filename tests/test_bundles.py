@@ -96,7 +96,10 @@ def test_the_table_names_machines_and_whose_word_it_is(shared: Path) -> None:
     done = told(shared, "table", "laptop.zip")
     assert done.stdout.startswith("| machine | certificate | scenario |")
     refused = sum(not certified for certified, _ in own.values())
-    assert f"{RUNS} runs judged again: {RUNS - 1 - refused} certified anew here, {refused} refused where" in done.stderr
+    assert (
+        f"{RUNS} runs judged again: {RUNS - 1 - refused} certified anew here, {refused} refused where"
+        in done.stderr
+    )
     word = told(shared, "table", "laptop.zip", "--as-recorded", "--columns", "certificate", "--format", "csv")
     assert {*word.stdout.split("\n")[1:-1]} == {'"as recorded there"'} and word.stderr == ""
 
