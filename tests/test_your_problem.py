@@ -69,7 +69,7 @@ def _off_the_zone(place: Array) -> Array:
 def test_own_costs_count(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are paid for with travel time, and the objective adds up from the plan's own table."""
     cost = own(monkeypatch, "cost")
-    run, without = (bb.plan(cost, "+scenario=low", "scenario.intervals=25", *free) for free in ([], [
+    run, without = (bb.plan(cost, "+scenario=low", "scenario.intervals=60", *free) for free in ([], [
         "scenario.costs.height=null", "scenario.costs.effort=null"]))  # fmt: skip
     assert run.certified and without.certified and run.plan is not None and without.plan is not None
     assert without.record["costs"] is None and run.record["travel_time_s"] > without.record["travel_time_s"]
