@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 from types import SimpleNamespace
+from typing import cast
 
 import composing
 import numpy as np
@@ -202,6 +203,15 @@ def test_intervals_are_marked_where_the_replay_found_errors() -> None:
     missed = np.abs(defects(found.plan, case.model.plant()).velocity).max(axis=1)
     assert chosen.any() and chosen[int(np.argmax(missed))]
     assert steady(case) and not steady(composing.case_of("+scenario=race", "vehicle=race_ramp"))
+
+
+def test_a_replay_that_breaks_down_is_no_share_of_a_limit() -> None:
+    """Its check has no finite limit; what is marked then is what the errors of the intervals say."""
+    case, found = on_forty()
+    broken = Check("replay_complete", 20.0, np.inf, "s", False, "it breaks down")
+    certificate = cast("Certificate", SimpleNamespace(broken=(broken,), flight=case.judge(found).flight))
+    alone = cast("Certificate", SimpleNamespace(broken=(), flight=certificate.flight))
+    assert np.array_equal(marked(found.plan, certificate, case), marked(found.plan, alone, case))
 
 
 # --- deferred correction ------------------------------------------------------------------------------------------

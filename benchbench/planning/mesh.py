@@ -36,7 +36,8 @@ def marked(plan: Plan, found: Certificate, case: Case) -> Flags:
     """Tell which intervals to halve, (N,); all where most would be."""
     missed = _defects(plan, found, case)
     chosen = np.maximum(missed, _overshoot(plan, found, case)) > MARKED
-    summed = [c.value / c.limit for c in found.broken if not c.name.startswith(ALONE) and c.limit > 0]
+    beyond = [c.value / c.limit for c in found.broken if not c.name.startswith(ALONE) and c.limit > 0]
+    summed = [ratio for ratio in beyond if ratio > 0]  # nothing is a share of an infinite limit
     if summed:
         share = min((1 - AIM / max(summed)) / (1 - LEFT), 1.0)
         largest = np.argsort(-missed)
