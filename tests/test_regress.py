@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from program import assert_refused, told
+from sharing import Once
 
 from benchbench.cli.commands import regress
 from benchbench.errors import BadInput
@@ -27,13 +27,16 @@ WAS: dict[str, Any] = {
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    folder = tmp_path_factory.mktemp("regress")
+def stored(once: Once) -> Path:
+    """A baseline of one small case; to compare with it writes nothing."""
+    return once("regress", measured)
+
+
+def measured(folder: Path) -> None:
     (folder / "base").mkdir()
     (folder / "base" / "matrix.yaml").write_text(MATRIX)
     done = told(folder, "regress", "--baseline", "base", "--update")
     assert done.returncode == 0, done.stderr
-    return folder
 
 
 def test_an_unchanged_program_passes(stored: Path) -> None:

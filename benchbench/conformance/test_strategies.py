@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import pytest
 
@@ -13,7 +14,7 @@ from benchbench.planning.case import Case
 from benchbench.run import config
 
 STRATEGIES = pytest.mark.parametrize("candidate", candidates("strategies"), ids=lambda c: c.name)
-SMALL = {"coarsest": 8, "finest": 16, "starts": 2}
+SMALL = {"coarsest": 8, "finest": 16, "finer": 2, "starts": 2}
 """Settings that say how often a strategy solves; the checks need no more than these."""
 
 
@@ -38,10 +39,15 @@ def test_strategy(
     candidate: Configured, check: Callable[[Tried], None], case: Case, tried: dict[str, Tried]
 ) -> None:
     """One check of one strategy; one that refuses this case (made for races, reads a file) is skipped."""
-    few = {name: few for name, few in SMALL.items() if name in candidate.settings}
     if candidate.name not in tried:
-        tried[candidate.name] = Tried(candidate.build(**few), case)
+        tried[candidate.name] = Tried(candidate.build(**_few(candidate.settings)), case)
     try:
         check(tried[candidate.name])
     except (BadInput, Unavailable) as reason:
         pytest.skip(str(reason))
+
+
+def _few(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings that are to be small, also those of a strategy within the strategy."""
+    inner = {name: {**value, **_few(value)} for name, value in settings.items() if isinstance(value, dict)}
+    return inner | {name: few for name, few in SMALL.items() if name in settings}
