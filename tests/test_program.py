@@ -55,9 +55,17 @@ def test_record_has_every_column_with_its_type_and_no_nan(certified: tuple[Path,
         assert not isinstance(value, float) or math.isfinite(value), column.name
     unknown = {name for name, value in record.items() if value is None}
     races = {"gates", "gates_passed", "gate_worst_miss_m"}
-    unasked = {"search", "conflict", "kkt_residual", "stationarity", "b_stationary"}
+    unasked = {
+        "search",
+        "conflict",
+        "kkt_residual",
+        "stationarity",
+        "b_stationary",
+        "costs",
+        "reference_cpu_s",
+    }
     flights = {"controller_cpu_p50_s", "controller_cpu_p99_s", "real_time_factor", *NAMES}
-    flights |= {name for name in record if name.startswith("flight")}
+    flights |= {name for name in record if name.startswith(("flight", "replan"))}
     searches = {"optima", "refinement", "starts", "starts_certified", "starts_high", "starts_low"}
     assert unknown <= {
         "git_commit",
