@@ -190,5 +190,5 @@ def test_options_of_an_executable() -> None:
     """Only for IPOPT we know the names."""
     setup = Setup(seconds=7.0, iterations=9, accuracy="low")
     ipopt = Pyomo(executable="ipopt", options={"max_iter": 3}).native_options(setup)
-    assert ipopt["tol"] == 1e-4 and ipopt["max_wall_time"] == 7.0 and ipopt["max_iter"] == 3
+    assert ipopt["tol"] == 1e-4 and ipopt["max_cpu_time"] == 7.0 and ipopt["max_iter"] == 3
     assert Pyomo(executable="knitro", options={"outlev": 0}).native_options(setup) == {"outlev": 0}

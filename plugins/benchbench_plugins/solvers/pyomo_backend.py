@@ -50,10 +50,10 @@ class Pyomo(Solver):
         return by_casadi(model, self.through, OWN[self.through][1], self.native_options(setup))
 
     def native_options(self, setup: Setup) -> dict[str, Any]:
-        """The options of `through`, or of an executable named ipopt: tol, max_iter, max_wall_time."""
+        """The options of `through`, or of an executable named ipopt: tol, max_iter, max_cpu_time."""
         own = OWN[self.through][0].native_options(setup)
         if self.executable:
-            known = ("tol", "max_iter", "max_wall_time", "bound_relax_factor", "mu_strategy")
+            known = ("tol", "max_iter", "max_cpu_time", "bound_relax_factor", "mu_strategy")
             own = {k: own[k] for k in known if k in own} if self.executable.endswith("ipopt") else {}
         return own | self.options
 
