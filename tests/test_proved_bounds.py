@@ -204,7 +204,7 @@ def check(case: Any, time: float) -> float:
     """The bounds are not above a certified time; returns the proved one."""
     told = bounded(case.scenario, case.model, case.model.plant())
     assert told["lower_bound_s"] <= time
-    level = told.get("level_bound_s")  # a transfer has none
+    level = told["level_bound_s"]
     assert level is None or told["lower_bound_s"] <= level <= time
     assert told["limited_by"]
     return float(told["lower_bound_s"])

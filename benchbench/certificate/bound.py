@@ -14,12 +14,10 @@ import numpy as np
 
 from benchbench.certificate.handover_bound import handover_bound, level_bound
 from benchbench.certificate.race_bound import race_bound
-from benchbench.certificate.speed_bound import rate_bound
-from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
-from benchbench.ocp.transfer import Transfer
+from benchbench.ocp.to_rest import ToRest
 
 
 @singledispatch
@@ -32,15 +30,9 @@ lower_bound.register(Race, race_bound)
 
 
 @lower_bound.register
-def _(scenario: Handover, model: Model, plant: Plant) -> float:
+def _(scenario: ToRest, model: Model, plant: Plant) -> float:
     """Return the least of all sequences; `inf` when no allowed travel time reaches every stop asked for."""
     return handover_bound(scenario, model, plant).seconds
-
-
-@lower_bound.register
-def _(scenario: Transfer, model: Model, plant: Plant) -> float:
-    """Return the time that the slowest coordinate takes at its largest rate."""
-    return max(scenario.travel_time[0], rate_bound(scenario, model)[0])
 
 
 @singledispatch
@@ -50,7 +42,7 @@ def bounded(scenario: Scenario, model: Model, plant: Plant) -> Mapping[str, Any]
 
 
 @bounded.register
-def _(scenario: Handover, model: Model, plant: Plant) -> Mapping[str, Any]:
+def _(scenario: ToRest, model: Model, plant: Plant) -> Mapping[str, Any]:
     """Also the demand that the bound comes from, and what holds for flights that stay level."""
     proved = handover_bound(scenario, model, plant)
     level = level_bound(scenario, model, plant, proved)

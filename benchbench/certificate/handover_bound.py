@@ -1,4 +1,4 @@
-"""What bounds a handover from below, and which of its demands does: one proof for each, the largest counts."""
+"""What bounds a handover, or a transfer, from below, and which of its demands does: one proof for each, the largest counts."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from benchbench.certificate.contact_bound import Visit
 from benchbench.certificate.leg import Leg, legs, yaw_rate
 from benchbench.certificate.speed_bound import arm_reach, rate_bound, sequence_bound
 from benchbench.certificate.turning import ByRate, ByTorque, Turning
-from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import AXES, AgileModel, Model, Plant, travels
 from benchbench.ocp.stop import Stop
+from benchbench.ocp.to_rest import ToRest
 
 FINEST, LONGER = 1e-3, 3.0
 """s to which the time of the way from rest to rest is found, from below, and by which it may be longer than at full speed."""
@@ -27,7 +27,7 @@ class Bound:
     demand: str
 
 
-def handover_bound(scenario: Handover, model: Model, plant: Plant) -> Bound:
+def handover_bound(scenario: ToRest, model: Model, plant: Plant) -> Bound:
     """Return the largest bound of the sequence of stops for which it is least; all of them are proofs."""
     allowed = Bound(scenario.travel_time[0], "the least travel time allowed")
     if not travels(model):
@@ -36,13 +36,13 @@ def handover_bound(scenario: Handover, model: Model, plant: Plant) -> Bound:
     return max(allowed, _quickest(scenario, model, plant), key=_seconds)
 
 
-def _quickest(scenario: Handover, model: Model, plant: Plant) -> Bound:
+def _quickest(scenario: ToRest, model: Model, plant: Plant) -> Bound:
     return min(
         (_proved(scenario, made, model, plant) for made in scenario.itinerary.sequences()), key=_seconds
     )
 
 
-def level_bound(scenario: Handover, model: Model, plant: Plant, proved: Bound) -> Bound | None:
+def level_bound(scenario: ToRest, model: Model, plant: Plant, proved: Bound) -> Bound | None:
     """Return the bound for flights whose nose is turned by the yaw torque alone, which is no proof for others.
 
     It is not below the bound that is proved. None where a flight makes another number of stops than one, no heading is asked, or the
@@ -63,7 +63,7 @@ def _seconds(bound: Bound) -> float:
     return bound.seconds
 
 
-def _proved(scenario: Handover, made: Sequence[Stop], model: Model, plant: Plant) -> Bound:
+def _proved(scenario: ToRest, made: Sequence[Stop], model: Model, plant: Plant) -> Bound:
     direct = _direct(scenario, model)
     found = [direct, Bound(sequence_bound(scenario, made, model, plant), "speed and reach")]
     if len(made) == 1 and np.isfinite(found[1].seconds):
@@ -71,7 +71,7 @@ def _proved(scenario: Handover, made: Sequence[Stop], model: Model, plant: Plant
     return max(found, key=_seconds)
 
 
-def _direct(scenario: Handover, model: Model) -> Bound:
+def _direct(scenario: ToRest, model: Model) -> Bound:
     """The way from rest to rest on the axis that takes longest: half of the time from the start, half to the end."""
     first, last = legs(scenario, model)
     way = last.place - first.place
@@ -93,7 +93,7 @@ def _axis(first: Leg, last: Leg, axis: int, way: float, least: float) -> float:
     return float(max(time[int(np.argmax(there))] - FINEST, least)) if there.any() else float(time[-1])
 
 
-def _visited(scenario: Handover, stop: Stop, model: Model, plant: Plant, start: float) -> list[Bound]:
+def _visited(scenario: ToRest, stop: Stop, model: Model, plant: Plant, start: float) -> list[Bound]:
     """Come and go, then the same with the nose turned as fast as its limit allows."""
     latest, rate = scenario.travel_time[1], yaw_rate(model)
     come = visit(scenario, stop, model, plant, None).least(start, latest)
@@ -104,7 +104,7 @@ def _visited(scenario: Handover, stop: Stop, model: Model, plant: Plant, start: 
     return [bound for bound in found if bound.seconds > start]
 
 
-def visit(scenario: Handover, stop: Stop, model: Model, plant: Plant, turning: Turning | None) -> Visit:
+def visit(scenario: ToRest, stop: Stop, model: Model, plant: Plant, turning: Turning | None) -> Visit:
     """The flight by one stop as its bound sees it."""
     first, last = legs(scenario, model)
     index = [model.configuration.index(name) for name in AXES]
