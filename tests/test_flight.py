@@ -33,6 +33,7 @@ from benchbench.flight.statics import hover
 from benchbench.ocp.airframe import FlownModel
 from benchbench.ocp.motion import Motion
 from benchbench.planning.case import Case
+from benchbench.report.flights import flights_figure
 from benchbench.run import config
 from benchbench.run.filming import film_flight
 from benchbench.run.flying import campaign
@@ -178,6 +179,9 @@ def test_a_predicted_target_is_met(flown: pipeline.Run, reference: Reference) ->
     assert told["replan_cpu_p50_s"] > 0
     row = next(csv.DictReader(table(found, "constant_turn").splitlines()))
     assert (row["predictor"], row["replans"]) == ("constant_turn", str(len(one.replan_cpu)))
+    short = replace(reference, **{name: getattr(reference, name)[:-1200] for name in SAMPLED})
+    assert len(one.log.time) > len(short.time), "a flight may take longer than its plan"
+    flights_figure(short, found, frame(flown).airframe, flights.limits, "").canvas.draw()
 
 
 def test_a_predictor_that_raises_costs_one_flight(flown: pipeline.Run) -> None:

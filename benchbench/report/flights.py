@@ -119,7 +119,7 @@ def _distance(
     axes.set_title("End effector to handover position  [m]")
     _window(axes, reference)
     for one, place in zip(flown, tips, strict=True):
-        gap = np.linalg.norm(place - reference.target[1 : len(place) + 1, :3], axis=1)
+        gap = np.linalg.norm(place - one.reference.target[1 : len(place) + 1, :3], axis=1)
         axes.plot(one.log.time, gap, color=_colour(one), **THIN)
     axes.plot(
         reference.time,
@@ -135,11 +135,11 @@ def _distance(
 
 
 def _errors(axes: Axes, reference: Reference, flown: Sequence[Flown]) -> None:
-    """Position of the vehicle less the reference's."""
+    """Position of the vehicle less that of what it followed, which is longer than the plan where a target is predicted."""
     axes.set_title("Tracking error  [mm]")
     _window(axes, reference)
     for one in flown:
-        wanted = reference.state[1 : len(one.log.time) + 1, :3]
+        wanted = one.reference.state[1 : len(one.log.time) + 1, :3]
         error = np.linalg.norm(one.log.state[:, :3] - wanted, axis=1)
         axes.plot(one.log.time, 1e3 * error, color=_colour(one), **THIN)
     axes.set_xlim(0, reference.time[-1])
