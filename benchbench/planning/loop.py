@@ -11,7 +11,7 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.planning.findings import CHEAP, EQUAL, Round, Step, next_step
-from benchbench.planning.ladder import WARM, climb, coarse, on_grid, rung
+from benchbench.planning.ladder import climb, coarse, on_grid, rung
 from benchbench.planning.margins import Margins, least_margins, of_the_search, with_margins
 from benchbench.planning.mesh import exceeded, halved, marked, steady, touching
 from benchbench.planning.rescue import rescue
@@ -123,8 +123,7 @@ class Loop:
         if other is None:
             return case, rung(coarse(case), self.ledger, start)
         waits = rung(coarse(other), self.ledger, start)
-        limit = min(WARM, case.iteration_limit) if waits.claimed else case.iteration_limit
-        now = rung(replace(coarse(case), iteration_limit=limit), self.ledger, start)
+        now = rung(coarse(case), self.ledger, start)
         if not waits.claimed or now.objective < waits.objective:
             return case, now
         told = f"{now.plan.travel_time:.4f} s" if now.claimed else str(now.solved.outcome.claim)
