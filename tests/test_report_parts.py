@@ -126,6 +126,12 @@ def test_slack_is_compared_where_nothing_else_differs() -> None:
     assert list(slack.charts(runs(), settings(NU, [0.02] * 4))) == []
 
 
+def test_the_fastest_of_several_runs_keeps_its_method() -> None:
+    some = runs(method=["slow", "fast", "slow", "slow"], travel_time_s=[3.0, 2.0, 1.9, 2.5])
+    found = varied(some, settings(NU, [0.01, 0.01, 0.02, 0.02]), NU)
+    assert list(zip(found.method, found.travel_time_s, strict=True)) == [("fast", 2.0), ("slow", 1.9)]
+
+
 def test_one_method_has_a_legend() -> None:
     some = runs(method=["x"] * 4)
     made = profiles.performance(some, styles(some.method)).figure

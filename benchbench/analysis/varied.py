@@ -44,9 +44,7 @@ def varied(runs: pd.DataFrame, settings: Sequence[Mapping[str, Any] | None], fie
                 )
             )
     found = pd.DataFrame(rows, columns=["value", "rest", "scenario", "method", "travel_time_s"])
-    best = found.groupby(["rest", "scenario", "value"], as_index=False, sort=False).agg(
-        {"travel_time_s": "min", "method": "first"}
-    )
+    best = found.sort_values("travel_time_s", kind="stable").drop_duplicates(["rest", "scenario", "value"])
     return best[best.groupby("rest").value.transform("nunique") > 1].sort_values(["rest", "value"])
 
 
