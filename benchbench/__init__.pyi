@@ -1,10 +1,10 @@
 # The public face: what users and plugin authors need, and nothing else. Loaded on first use (lazy_loader reads this file).
 
-from .arrays import Array
 from .certificate.certificate import Certificate
 from .certificate.check import Check, at_least, at_most, worst
 from .certificate.evidence import Evidence
-from .errors import BadInput, BenchBenchError, IncompatibleCase, NoPlan, Unavailable
+from .ground.arrays import Array
+from .ground.errors import BadInput, BenchBenchError, IncompatibleCase, NoPlan, Unavailable
 from .mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, block, evaluate, rows
 from .mpcc.ready import ReadyMade, whole
 from .nlp.ledger import Ledger

@@ -13,10 +13,9 @@ from __future__ import annotations
 import argparse
 from collections.abc import Iterator, Sequence
 
-from benchbench import pipeline
 from benchbench.flight.columns import columns
 from benchbench.planning.case import Case
-from benchbench.run import config
+from benchbench.run import config, pipeline
 from benchbench.run.flying import campaign
 
 GENTLE = (

@@ -108,8 +108,8 @@ def growth(line: Sequence[Run]) -> float | None:
 
 def one(*overrides: str) -> dict[str, object]:
     """Run here and return what is kept."""
-    from benchbench.pipeline import run
     from benchbench.run.config import compose
+    from benchbench.run.pipeline import run
 
     record = run(compose("+scenario=race", *overrides)).record
     return {

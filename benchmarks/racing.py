@@ -20,7 +20,7 @@ import numpy as np
 ONE = """
 import json, sys
 from resource import RUSAGE_CHILDREN, RUSAGE_SELF, getrusage
-from benchbench import pipeline
+from benchbench.run import pipeline
 from benchbench.run import config
 def cpu():
     return sum(x.ru_utime + x.ru_stime for x in map(getrusage, (RUSAGE_SELF, RUSAGE_CHILDREN)))

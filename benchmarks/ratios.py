@@ -23,7 +23,7 @@ CIRCLE = ("+scenario=circle", "solver=ipopt")
 SWEEP = ("-m", *CIRCLE, "scenario.intervals=25", "workers=1")
 CERTIFY = """
 import json, sys, time
-from benchbench import pipeline
+from benchbench.run import pipeline
 from benchbench.certificate.certify import certify
 from benchbench.run import config
 case = config.compose(*sys.argv[1:])

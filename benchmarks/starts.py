@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import sys
 
-from benchbench import pipeline
-from benchbench.run import config
+from benchbench.run import config, pipeline
 
 
 def times(task: int, starts: int) -> list[float | None]:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.plan import Plan
 
 Damage = Callable[[Plan], Plan]

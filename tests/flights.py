@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.mechanics import acceleration
 from benchbench.ocp.model import ExplicitModel, Model, Plant
 from benchbench.ocp.motion import Motion

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from flights import table_one
 
-from benchbench.arrays import Array
 from benchbench.flight.mismatch import Drawn, Mismatch
 from benchbench.flight.reference import Reference
 from benchbench.flight.rig import Rig
+from benchbench.ground.arrays import Array
 
 FRAME = table_one().airframe
 RIG = Rig(motor_force=(0, 8), servo_torque=(-2, 2), ball_mass=0.075, pull=2.5)

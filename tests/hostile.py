@@ -34,11 +34,10 @@ import casadi
 import numpy as np
 from hydra.core.hydra_config import HydraConfig
 
-from benchbench import pipeline
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.result import Result
-from benchbench.run import execution
+from benchbench.run import execution, pipeline
 from benchbench_plugins.strategies.phases import Phases
 
 WAYS: dict[str, Callable[[], Any]] = {}

@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from benchbench.arrays import Array
 from benchbench.formulation.handover import free_contact, phases
+from benchbench.ground.arrays import Array
 from benchbench.mpcc import derivatives
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, gather
 from benchbench.nlp.ledger import Ledger

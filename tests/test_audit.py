@@ -10,9 +10,9 @@ import pytest
 from flights import Polynomial, plan_of, table_one
 from test_certificate import LIMITS
 
-from benchbench.arrays import Array
 from benchbench.certificate.audit import Audit, audit, claimed
 from benchbench.certificate.replay import Replay
+from benchbench.ground.arrays import Array
 from benchbench.ocp.contact import Condition, Contact, Kept, Target
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node

@@ -12,10 +12,10 @@ import composing
 import numpy as np
 import pytest
 
-from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.check import Check
 from benchbench.certificate.replay import defects
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc, evaluate
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning import posing

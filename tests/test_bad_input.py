@@ -56,7 +56,7 @@ def test_a_packed_problem_is_not_unpacked_beyond_its_bound(
 ) -> None:
     import gzip
 
-    from benchbench.errors import BadInput
+    from benchbench.ground.errors import BadInput
     from benchbench_plugins.collections import nosbench
 
     monkeypatch.setattr(nosbench, "JSON_BYTES", 100_000)

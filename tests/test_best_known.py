@@ -12,10 +12,9 @@ import pytest
 import yaml
 from program import assert_refused, records, told
 
-from benchbench import pipeline
 from benchbench.cli.commands import best
-from benchbench.errors import BadInput
-from benchbench.run import config
+from benchbench.ground.errors import BadInput
+from benchbench.run import config, pipeline
 from benchbench.storage.best_known import OF_SUITES, BestKnown, net_time, packaged
 from benchbench.storage.files import write_bytes, write_record
 from benchbench.storage.schema import Record, make_record

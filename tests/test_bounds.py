@@ -9,10 +9,10 @@ import pytest
 from flights import Polynomial, table_one
 from test_certificate import LIMITS
 
-from benchbench.arrays import Array
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.speed_bound import STEP, arm_reach, sequence_bound
 from benchbench.certificate.window_bound import window_bounds
+from benchbench.ground.arrays import Array
 from benchbench.ocp.handover import Handover
 from benchbench_plugins.contacts.position import Position
 from benchbench_plugins.contacts.velocity import Velocity

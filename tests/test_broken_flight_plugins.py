@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks import autopilots, controllers, payloads, predictors, residuals, worlds
 from benchbench.flight.autopilot import Autopilot
 from benchbench.flight.controller import Controller, Known
@@ -22,6 +21,7 @@ from benchbench.flight.residual import Correction, Learned, Residual, Sample
 from benchbench.flight.rig import Rig
 from benchbench.flight.sensed import Command, Sensed, Triple
 from benchbench.flight.world import Actuators, Truth, World
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 from benchbench.ocp.motion import Motion
 from benchbench_plugins.autopilots.px4 import Px4

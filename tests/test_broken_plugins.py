@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from flights import table_one
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks import contacts, dynamics, models, orders, relaxations, solvers
 from benchbench.conformance.checks.programs import known
 from benchbench.conformance.checks.smooth_programs import hs071, quadratic
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc, PairKind
 from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Unknown
 from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver

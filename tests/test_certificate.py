@@ -13,7 +13,6 @@ import yaml
 from flights import HEIGHT, MOTOR, REST, SHIFT, Polynomial, along_tool, bounce, crossing, surge, table_one
 from pydantic import ValidationError
 
-from benchbench.arrays import Array
 from benchbench.certificate.audit import longest_run
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.certificate import Certificate
@@ -21,6 +20,7 @@ from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.certificate.replay import defects, replay
 from benchbench.certificate.speed_bound import sequence_bound
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.residuals import PairResidual, Residuals
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan

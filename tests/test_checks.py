@@ -15,8 +15,6 @@ from test_certificate import LIMITS, SOLVED, only_reason
 from test_handover_certificate import MODEL, hover, task
 
 import benchbench as bb
-from benchbench import pipeline
-from benchbench.arrays import Array
 from benchbench.certificate.certificate import Measures
 from benchbench.certificate.certify import certify
 from benchbench.certificate.checks.nodes import planned_end, planned_start
@@ -27,11 +25,12 @@ from benchbench.certificate.limits import Limits
 from benchbench.certificate.measured import measured
 from benchbench.certificate.named import named
 from benchbench.certificate.numbers import flown
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Ends, Scenario, at_rest, point, straight
 from benchbench.ocp.stop import Itinerary
-from benchbench.run import config, summary, trust
+from benchbench.run import config, pipeline, summary, trust
 from benchbench.storage.flight import flight_of
 from benchbench.storage.flight_csv import to_csv
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.report.claims import load, markdown
 from benchbench.run.choices import FAMILIES, FLYING, choices
 

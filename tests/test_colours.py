@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.report import style
 from benchbench.report.html.charts import cost_split, failures
 

@@ -7,7 +7,7 @@ import math
 import composing
 import pytest
 
-from benchbench import pipeline
+from benchbench.run import pipeline
 from benchbench.storage.status import Status
 
 COMBINATIONS = [

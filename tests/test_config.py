@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from benchbench import pipeline
-from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.planning.margins import least_margins
 from benchbench.planning.validate import validate
-from benchbench.run import config
+from benchbench.run import config, pipeline
 from benchbench.run.overrides import carried
 
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "own_config"

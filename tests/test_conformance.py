@@ -20,6 +20,7 @@ from benchbench.flight.payload import Payload
 from benchbench.flight.predictor import Predictor
 from benchbench.flight.residual import Residual
 from benchbench.flight.world import World
+from benchbench.ground.registry import FAMILIES, installed
 from benchbench.mpcc.ready import ReadyMade
 from benchbench.nlp.relaxation import Relaxation
 from benchbench.nlp.solver import Solver
@@ -30,7 +31,6 @@ from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.task_family import TaskFamily
 from benchbench.planning.case import Guess, Strategy
 from benchbench.planning.peer import Peer
-from benchbench.registry import FAMILIES, installed
 from benchbench.transcription.dynamics import Dynamics
 from benchbench_plugins.solvers.nlpsol import Nlpsol
 
@@ -134,7 +134,7 @@ def run(third_party: Path, *arguments: str) -> str:
 def test_a_broken_entry_point_is_an_answer(third_party: Path) -> None:
     lines = run(
         third_party, "-c",
-        "from benchbench.registry import installed\n"
+        "from benchbench.ground.registry import installed\n"
         "for p in installed('relaxations'): print(p.name, p.distribution, bool(p.kind), p.summary or p.error, sep=' | ')",
     ).splitlines()  # fmt: skip
     found = {line.split(" | ")[0]: line for line in lines}

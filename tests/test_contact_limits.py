@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from flights import REST, table_one
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.contact import Contact, Target
 from benchbench.ocp.node import Node
 from benchbench_plugins.contacts.approach import Approach

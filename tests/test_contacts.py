@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from flights import REST, table_one
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.initial_value import Transcribed, one_phase, transcribe
 from benchbench.formulation.coupling import Coupling, progress_index, retargeted
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import evaluate
 from benchbench.ocp.contact import Condition, Contact, Target
 from benchbench.ocp.model import Model

@@ -5,10 +5,10 @@ from __future__ import annotations
 import composing
 import pytest
 
-from benchbench import pipeline
 from benchbench.mpcc.spending import collecting, cpu_s, spending
 from benchbench.nlp.ledger import Ledger, Spent
 from benchbench.nlp.solver import Outcome, Point
+from benchbench.run import pipeline
 from benchbench.storage.schema import Record
 
 QUICK = ("+scenario=static", "scenario.intervals=12", "compile=never")

@@ -13,8 +13,8 @@ import pytest
 from small_mpccs import by_hand
 
 from benchbench.conformance.checks.smooth_programs import hs071
-from benchbench.errors import IncompatibleCase, Unavailable
 from benchbench.formulation.handover import free_contact, phases
+from benchbench.ground.errors import IncompatibleCase, Unavailable
 from benchbench.mpcc.problem import Mpcc, Variable, block, evaluate, rows
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import homotopy

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from damage import Damage, jump_at, of_claims, of_inputs, of_shape, of_states, of_time
 
-from benchbench import pipeline
 from benchbench.certificate import sequential
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
@@ -18,6 +17,7 @@ from benchbench.certificate.passing import gate_nodes
 from benchbench.certificate.replay import FAR, TOLERANCE, fly
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
+from benchbench.run import pipeline
 
 HANDOVER = ("+scenario=circle", "compile=never")
 RACE = ("+scenario=race", "scenario.gates=2", "compile=never")

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 from program import assert_refused, records, told
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 SMALL = ("+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=12")
 

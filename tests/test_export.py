@@ -14,8 +14,8 @@ from mcap_ros2.decoder import DecoderFactory
 from scipy.spatial.transform import Rotation
 from test_storage import task
 
-from benchbench.arrays import Array
 from benchbench.cli import application
+from benchbench.ground.arrays import Array
 from benchbench.ocp.plan import Plan
 from benchbench.storage.flight_csv import read_csv
 from benchbench.storage.recording import write_mcap

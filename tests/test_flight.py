@@ -10,10 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchbench import pipeline
 from benchbench.analysis.binomial import exact_bound
 from benchbench.certificate.replay import replay
-from benchbench.errors import BadInput, BenchBenchError, Unavailable
 from benchbench.flight.campaign import Campaign
 from benchbench.flight.columns import columns, table
 from benchbench.flight.controller import PERIOD, Controller, Known
@@ -30,11 +28,12 @@ from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
 from benchbench.flight.sensors import Sensors
 from benchbench.flight.statics import hover
+from benchbench.ground.errors import BadInput, BenchBenchError, Unavailable
 from benchbench.ocp.airframe import FlownModel
 from benchbench.ocp.motion import Motion
 from benchbench.planning.case import Case
 from benchbench.report.flights import flights_figure
-from benchbench.run import config
+from benchbench.run import config, pipeline
 from benchbench.run.filming import film_flight
 from benchbench.run.flying import campaign
 from benchbench_plugins.predictors.constant_turn import ConstantTurn

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from benchbench.errors import BadInput, BenchBenchError
 from benchbench.flight.foretold import foretold
 from benchbench.flight.predictor import Predictor, Seen
+from benchbench.ground.errors import BadInput, BenchBenchError
 from benchbench.ocp.motion import Motion
 from benchbench.run import config
 from benchbench.run.execution import config_hash

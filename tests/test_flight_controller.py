@@ -7,11 +7,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.flying import Obedient, known, vehicle, wandering
 from benchbench.flight.controller import Controller
 from benchbench.flight.residual import Recorder
 from benchbench.flight.training import training_reference
+from benchbench.ground.arrays import Array
 from benchbench_plugins.controllers.nmpc import Nmpc
 from benchbench_plugins.controllers.nmpc_ipopt import NmpcIpopt
 from benchbench_plugins.controllers.prediction import Prediction

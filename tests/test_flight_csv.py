@@ -10,7 +10,7 @@ import pytest
 from flights import crossing, table_one
 from scipy.spatial.transform import Rotation
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.plan import Plan
 from benchbench.storage.flight import Flight, flight_of, plan_of
 from benchbench.storage.flight_csv import NEEDED, read_csv, to_csv

@@ -10,8 +10,8 @@ from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 from test_plant import ANGLES, body_rates, random_states, rotation
 
-from benchbench.arrays import Array
 from benchbench.flight.world import Actuators
+from benchbench.ground.arrays import Array
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant
 from benchbench_plugins.worlds.mjcf import Ball
 from benchbench_plugins.worlds.mujoco import Mujoco, compiled, place

@@ -13,10 +13,10 @@ import pytest
 from program import Done, assert_refused, told
 from simulator import GOOD, Flown, fly
 
-from benchbench import pipeline
 from benchbench.certificate.certificate import Certificate
 from benchbench.cli.commands.certify import run
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
+from benchbench.run import pipeline
 from benchbench.storage.flight import flight_of
 from benchbench.storage.flight_csv import to_csv
 

@@ -10,14 +10,14 @@ import composing
 import numpy as np
 import pytest
 
-from benchbench import pipeline
-from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.formulation.gate_conditions import conditions
+from benchbench.ground.arrays import Array
 from benchbench.ocp.gates import manner, passes
 from benchbench.ocp.track import Gate, Opening
 from benchbench.ocp.track_file import read
+from benchbench.run import pipeline
 
 FRAME = {"x": -1.1, "y": -1.6, "z": 3.6, "width": 1.2, "height": 0.8, "yaw": 0.0}
 SLOW = {"x": 9.2, "y": 6.6, "z": 1.0, "speed": [2, 6], "heading": -0.3}

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from small_mpccs import by_hand, problem
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Variable
 from benchbench.nlp.homotopy import Path, Solved, homotopy
 from benchbench.nlp.ledger import SHORTEST, Ledger

@@ -10,7 +10,7 @@ import pytest
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.conflict import conflict
 from benchbench.certificate.course import Course
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.planning.validate import validate
 from benchbench.run import config
 

@@ -17,11 +17,11 @@ import pytest
 from PIL import Image
 from program import Done, told
 
-from benchbench import registry
 from benchbench.certificate.certify import certify
 from benchbench.cli import report_content
 from benchbench.conformance.checks import scenarios as checks
-from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.ground import registry
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.ocp.kinds import kind_of, kinds
 from benchbench.ocp.scenario import Scenario, at_rest
 from benchbench.planning import posing

@@ -7,10 +7,9 @@ from dataclasses import replace
 import pytest
 from flights import Bare
 
-from benchbench import pipeline
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.planning.case import Case
-from benchbench.run import config
+from benchbench.run import config, pipeline
 
 
 def case(dynamics: str) -> tuple[Case, Case]:

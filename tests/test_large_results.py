@@ -14,7 +14,7 @@ from test_table import row
 
 from benchbench.cli.commands import report
 from benchbench.cli.report_content import content
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.report.html import room
 from benchbench.report.html.page import render
 from benchbench.storage.collect import collect

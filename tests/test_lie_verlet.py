@@ -11,12 +11,12 @@ import pytest
 from flights import TABLE_I, table_one
 from scipy.spatial.transform import Rotation
 
-from benchbench import pipeline
-from benchbench.arrays import Array
 from benchbench.conformance.checks.initial_value import fly, integrate, one_phase, told, transcribe
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.ocp.model import ExplicitModel, LagrangianModel, ManifoldModel, Model
 from benchbench.ocp.plan import Plan
+from benchbench.run import pipeline
 from benchbench_plugins.dynamics.lie_verlet import LieVerlet
 from benchbench_plugins.dynamics.verlet import Verlet
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchbench.arrays import Array
 from benchbench.certificate.difference import angle, distance, rate, speed
 from benchbench.certificate.limited import Limited
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Coordinates
 from benchbench.ocp.plan import Plan
 

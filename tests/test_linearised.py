@@ -11,10 +11,10 @@ import pytest
 from scipy.sparse import csr_array
 from small_mpccs import NONE, SIGMA, problem
 
-from benchbench.arrays import Array
 from benchbench.certificate.descent import b_stationary
 from benchbench.certificate.linearised import Active, Linearised, Tangent
 from benchbench.certificate.multipliers import classify, weak
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Variable, rows
 
 TOL = 1e-6

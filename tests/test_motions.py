@@ -9,8 +9,8 @@ import pytest
 from pydantic import ValidationError
 from scipy.interpolate import CubicSpline
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.motion import Motion, sample
 from benchbench.run import config
 from benchbench_plugins.motions import Braking, Circle, Combined, Fixed, Linear, Spline

@@ -12,10 +12,9 @@ from peer_stand_in import togt_folder
 from simulator import Flown
 from test_foreign import certify, good, judge, task
 
-from benchbench import pipeline
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.planning.motors import conventions, hint, order_of, places, reordered
-from benchbench.run import config
+from benchbench.run import config, pipeline
 from benchbench.run.summary import lines
 from benchbench.storage.attached import attached
 from benchbench.storage.flight import flight_of

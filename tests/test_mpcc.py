@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, block, evaluate, gather, rows
 
 

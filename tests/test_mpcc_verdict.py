@@ -11,8 +11,8 @@ import casadi as ca
 import pytest
 from rich.console import Console
 
-from benchbench.pipeline import Run, run
 from benchbench.run.config import compose_any
+from benchbench.run.pipeline import Run, run
 from benchbench.run.summary import show, show_line
 
 Rule = Callable[[ca.SX], ca.SX]

@@ -15,12 +15,12 @@ from pydantic.dataclasses import dataclass
 from rich.console import Console
 from test_certificate import LIMITS, MODEL, claimed, crossing_plan, task
 
-from benchbench import registry
-from benchbench.arrays import Array
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.conformance.checks import contacts
+from benchbench.ground import registry
+from benchbench.ground.arrays import Array
 from benchbench.ocp.contact import Condition, Contact, Target, in_words
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node

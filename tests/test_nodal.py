@@ -9,7 +9,7 @@ import pytest
 from flights import REST, Polynomial, plan_of, table_one
 from test_race_certificate import race, vehicle
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc, Variable, evaluate
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Interpolation

@@ -11,8 +11,8 @@ from peer_stand_in import cpc_folder, togt_folder
 from program import told
 from test_foreign import task
 
-from benchbench import pipeline
-from benchbench.errors import Crash, IncompatibleCase, NoPlan, Timeout, Unavailable
+from benchbench.ground.errors import Crash, IncompatibleCase, NoPlan, Timeout, Unavailable
+from benchbench.run import pipeline
 
 FOLDERS = {"cpc": cpc_folder, "togt": togt_folder}
 END = {"cpc": "free", "togt": "rest"}

@@ -19,9 +19,9 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from PIL import Image
 
-from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay, replay
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import Coordinates, LagrangianModel, Model, Plant, box
 from benchbench.ocp.motion import Motion

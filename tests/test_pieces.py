@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from test_replay import TIME, Point, plan, pushed, spring, swing
 
-from benchbench.arrays import Array
 from benchbench.certificate import sequential
 from benchbench.certificate.dop853 import along, step
 from benchbench.certificate.pieces import Pieces, slope
 from benchbench.certificate.replay import FAR, TOLERANCE, defects, fly, replay
 from benchbench.certificate.shooting import PARTS, Shot, roughly, settled
+from benchbench.ground.arrays import Array
 from benchbench.ocp.plan import Plan
 
 POINT = Point(pushed, gain=2.0)

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import block_diag
 from scipy.spatial.transform import Rotation
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.mechanics import acceleration
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator
 from benchbench_plugins.models.aerial_manipulator_plant import AerialManipulatorPlant

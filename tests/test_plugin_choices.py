@@ -9,9 +9,9 @@ import pytest
 import yaml
 from omegaconf import OmegaConf
 
-from benchbench import registry
 from benchbench.cli.application import start
-from benchbench.errors import BadInput
+from benchbench.ground import registry
+from benchbench.ground.errors import BadInput
 from benchbench.planning.case import Case
 from benchbench.run import config
 from benchbench.run.choices import GROUPS

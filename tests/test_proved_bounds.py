@@ -11,13 +11,13 @@ import pytest
 import yaml
 from flights import HEIGHT, REST, Polynomial, table_one
 
-from benchbench.arrays import Array
 from benchbench.certificate.bound import bounded, lower_bound
 from benchbench.certificate.contact_bound import Visit
 from benchbench.certificate.handover_bound import Bound, handover_bound, level_bound
 from benchbench.certificate.leg import Leg
 from benchbench.certificate.speed_bound import sequence_bound
 from benchbench.certificate.turning import ByRate, ByTorque
+from benchbench.ground.arrays import Array
 from benchbench.ocp.handover import Handover
 from benchbench.run import config
 from benchbench_plugins.contacts.heading import Heading

@@ -14,10 +14,10 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from benchbench import pipeline
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import ExplicitModel, ManifoldModel, OutputModel, RacingModel, RampModel
 from benchbench.planning.case import Case
+from benchbench.run import pipeline
 from benchbench_plugins.models.attitude import UnitQuaternion
 from benchbench_plugins.models.attitude_space import AttitudeSpace
 from benchbench_plugins.models.quadrotor import Quadrotor

@@ -15,16 +15,16 @@ from flights import Bare
 from PIL import Image
 from scipy.integrate import solve_ivp
 
-from benchbench import pipeline
-from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.gates import passes
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.track import Gate
 from benchbench.planning.race_start import point_mass_plan
+from benchbench.run import pipeline
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap
 

@@ -11,13 +11,12 @@ import composing
 import numpy as np
 import pytest
 
-from benchbench import pipeline
-from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.race_bound import order_bound
-from benchbench.errors import BadInput
 from benchbench.formulation.gates import passed_at
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.relaxation import smooth
@@ -29,7 +28,7 @@ from benchbench.planning.case import Case
 from benchbench.planning.ladder import from_phases
 from benchbench.planning.search import Candidate, Found, best_first
 from benchbench.planning.strategy import pose
-from benchbench.run import config
+from benchbench.run import config, pipeline
 
 TWO = ("scenario.gates=2", "scenario.nodes_per_gate=20")
 FINE = "relaxation.schedule=[1e-2,1e-4,1e-9]"

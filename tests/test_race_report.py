@@ -13,7 +13,6 @@ from browser import address, browser, errors
 from program import records, told
 from test_table import row
 
-from benchbench import pipeline
 from benchbench.analysis.naming import name_runs
 from benchbench.analysis.races import races
 from benchbench.cli.report_content import content
@@ -24,7 +23,7 @@ from benchbench.report.html.plans.view import view
 from benchbench.report.html.race_table import race_rows
 from benchbench.report.race_panels import race_panels
 from benchbench.report.views import scene
-from benchbench.run import config
+from benchbench.run import config, pipeline
 from benchbench.storage.collect import collect
 
 

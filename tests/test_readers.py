@@ -21,7 +21,7 @@ from simulator import fly
 from test_large_results import full
 from test_picture import curved_plan, dense, task, vehicle
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.track_file import beside_the_lap, read
 from benchbench.run import config
 from benchbench.storage.collect import collect

@@ -18,7 +18,7 @@ import pytest
 from benchbench.certificate.certify import certify_problem
 from benchbench.certificate.limits import ProblemLimits
 from benchbench.cli import commands
-from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, evaluate
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import Path as Schedule
@@ -26,8 +26,8 @@ from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.program import assemble
 from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Setup, Solver
-from benchbench.pipeline import Run, run, write
 from benchbench.run.config import compose, compose_any
+from benchbench.run.pipeline import Run, run, write
 from benchbench.run.summary import show
 from benchbench.storage.table import read
 from benchbench_plugins.collections.nosbench import MpccFile

@@ -16,7 +16,6 @@ from test_audit import Told
 from test_certificate import LIMITS, SOLVED
 from test_handover_certificate import task
 
-from benchbench.arrays import Array
 from benchbench.certificate.advice import (
     ACCURACY,
     CONTACT,
@@ -61,6 +60,7 @@ from benchbench.certificate.limited import Limited
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.numbers import flown
 from benchbench.certificate.replay import Defects, Replay
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.residuals import PairResidual
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.stop import Stop

@@ -13,14 +13,13 @@ from pydantic import ValidationError
 from scipy.interpolate import CubicSpline
 from small_mpccs import by_hand
 
-from benchbench import pipeline
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.derivatives import derivatives
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.program import assemble
 from benchbench.ocp.motion import motion_state, planned, sample
-from benchbench.run import config
+from benchbench.run import config, pipeline
 from benchbench_plugins.motions import Combined, Linear, Spline
 
 ROWS = 10_000

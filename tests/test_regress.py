@@ -12,11 +12,11 @@ from program import assert_refused, told
 from sharing import Once
 
 from benchbench.cli.commands import regress
-from benchbench.errors import BadInput
 from benchbench.flight import extra
-from benchbench.regression import baseline
-from benchbench.regression.compare import Change, compare, unavailable
-from benchbench.regression.matrix import Gates, Matrix
+from benchbench.ground.errors import BadInput
+from benchbench.sweep.regression import baseline
+from benchbench.sweep.regression.compare import Change, compare, unavailable
+from benchbench.sweep.regression.matrix import Gates, Matrix
 
 CASE = "[+scenario=static, strategy=phases, strategy.margin=0, scenario.intervals=12]"
 MATRIX = f"common: [compile=never]\nrepeats: 5\ncases:\n  small: {CASE}\n"

@@ -14,8 +14,8 @@ from composing import case_of
 from pydantic import ValidationError
 from small_mpccs import Small, by_hand, problem, pympcc_problems
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.problem import Mpcc, Pair, PairKind, Variable, block, evaluate, rows
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.homotopy import Solved, homotopy
@@ -23,9 +23,9 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Unknown, relax, smooth
 from benchbench.nlp.solver import Outcome, Point, Prepared, Setup, Solver
 from benchbench.ocp.plan import Plan
-from benchbench.pipeline import run
 from benchbench.planning.case import Case, Guess
 from benchbench.run.config import choices, compose
+from benchbench.run.pipeline import run
 
 NAMES = [name for name in choices("relaxation") if name != "none"]
 """All but "none", which leaves the pairs to a solver that takes them."""

@@ -9,9 +9,9 @@ import composing
 import numpy as np
 import pytest
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation.handover import phases
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.program import assemble
 from benchbench.ocp.motion import Motion, same_kind

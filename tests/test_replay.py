@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from benchbench.arrays import Array
 from benchbench.certificate.replay import defects, replay
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Plant
 from benchbench.ocp.plan import Interpolation, Plan
 

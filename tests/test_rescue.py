@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from small_mpccs import by_hand
 
-from benchbench import pipeline
 from benchbench.mpcc.problem import evaluate
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning import posing
@@ -20,7 +19,7 @@ from benchbench.planning.elastic import PREFIX, ease, with_slack
 from benchbench.planning.ladder import coarse
 from benchbench.planning.margins import NONE, with_margins
 from benchbench.planning.rescue import rescue
-from benchbench.run import config
+from benchbench.run import config, pipeline
 
 CROSSING = "+scenario=linear scenario.target.velocity_mps=[0,2,0] scenario.target.start_m=[1,-2,0.4]"
 """A target that crosses at 2 m/s, to be met within 0.01 m/s by a vehicle that flies 1.3 m/s, for one average step."""

@@ -10,7 +10,7 @@ from scipy.stats import binom
 from benchbench.analysis.binomial import decided, exact_bound
 from benchbench.analysis.front import Candidate, candidate, fastest, front
 from benchbench.cli import commands
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.report.front import draw_front
 
 

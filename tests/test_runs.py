@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from program import told
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.storage.files import RECORD, write_record
 from benchbench.storage.runs import merge, remove, stored
 from benchbench.storage.schema import make_record

@@ -9,11 +9,11 @@ import pytest
 from flights import TABLE_I
 from scipy.integrate import DOP853, solve_ivp
 
-from benchbench.arrays import Array
 from benchbench.certificate import dop853, dop853_coefficients, sequential
 from benchbench.certificate.pieces import Pieces
 from benchbench.certificate.replay import FAR, TOLERANCE, fly, replay
 from benchbench.certificate.shooting import Shot, roughly, settled
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Interpolation, Plan
 from benchbench_plugins.models.aerial_manipulator import AerialManipulator

@@ -13,7 +13,6 @@ import pytest
 from scipy.optimize import OptimizeResult, lsq_linear, milp
 from small_mpccs import by_hand, problem, pympcc_problems
 
-from benchbench import pipeline
 from benchbench.certificate import descent, multipliers
 from benchbench.certificate import stationarity as stationarity_module
 from benchbench.certificate.descent import b_stationary
@@ -23,7 +22,7 @@ from benchbench.certificate.stationarity import Stationarity, stationarity
 from benchbench.mpcc.problem import Mpcc, PairKind
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.strategy import planned
-from benchbench.run import config
+from benchbench.run import config, pipeline
 
 
 def corner(cost: Callable, kind: PairKind = "complementarity", **more: Any) -> Mpcc:

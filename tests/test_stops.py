@@ -13,15 +13,14 @@ import pytest
 from flights import REST, SHIFT, along_tool, crossing, table_one
 from test_certificate import LIMITS, assert_mentions
 
-from benchbench import pipeline
-from benchbench.arrays import Array
 from benchbench.certificate.certify import certify
 from benchbench.certificate.speed_bound import arm_reach, sequence_bound
 from benchbench.conformance.checks.initial_value import one_phase, transcribe
-from benchbench.errors import BadInput
 from benchbench.formulation.coupling import Coupling
 from benchbench.formulation.handover import free_contact
 from benchbench.formulation.open_order import MADE, by_progress
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.handover import Handover
@@ -34,7 +33,7 @@ from benchbench.planning.search import Candidate, Found, best_first
 from benchbench.planning.strategy import pose
 from benchbench.planning.validate import validate
 from benchbench.report.views import scene
-from benchbench.run import config
+from benchbench.run import config, pipeline
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap
 from benchbench_plugins.contacts.position import Position

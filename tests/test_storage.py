@@ -26,7 +26,7 @@ from mcap.stream_reader import StreamReader
 from scipy.spatial.transform import Rotation
 
 from benchbench.certificate.replay import Replay, replay
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
 from benchbench.storage import provenance, table
@@ -357,7 +357,7 @@ def test_full_disk_is_named(tmp_path: Path) -> None:
     pytest.importorskip("resource", reason="needs a limit on file size")
     code = (
         "import resource, signal, sys; from pathlib import Path\n"
-        "from benchbench.storage.files import write_bytes; from benchbench.errors import BadInput\n"
+        "from benchbench.storage.files import write_bytes; from benchbench.ground.errors import BadInput\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN); resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))\n"
         "try: write_bytes(Path(sys.argv[1]) / 'record.json', b'x' * 5000)\n"
         "except BadInput as error: print(error)\n"

@@ -9,11 +9,10 @@ import composing
 import numpy as np
 import pytest
 
-from benchbench import pipeline
-from benchbench.arrays import Array
 from benchbench.certificate.window_bound import window_bounds
-from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation.handover import fixed_window, phase_grid, phases
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.warm_start import carried
 from benchbench.ocp.motion import sample
@@ -23,6 +22,7 @@ from benchbench.planning.guess import first_plan, straight_line
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import judge, planned, pose
 from benchbench.planning.windows import Windows, coarser
+from benchbench.run import pipeline
 from benchbench.storage.recording import write_mcap
 
 N = 12

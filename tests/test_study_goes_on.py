@@ -13,13 +13,13 @@ import pytest
 from optuna.trial import TrialState
 from program import assert_refused, told
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.storage.schema import make_record
-from benchbench.tuning import outcome
-from benchbench.tuning.begun import bury, check_same
-from benchbench.tuning.search import search
-from benchbench.tuning.space import read
-from benchbench.tuning.task import StudySettings
+from benchbench.sweep.tuning import outcome
+from benchbench.sweep.tuning.begun import bury, check_same
+from benchbench.sweep.tuning.search import search
+from benchbench.sweep.tuning.space import read
+from benchbench.sweep.tuning.task import StudySettings
 
 OVER = ("scenario", "seed")
 PROBLEM = "+scenario=static,circle"
@@ -104,7 +104,7 @@ DYING = """
 import sys
 from pathlib import Path
 sys.path.insert(0, sys.argv[2])
-from benchbench.tuning.begun import at_work
+from benchbench.sweep.tuning.begun import at_work
 from test_study_goes_on import settings
 trial = settings(Path(sys.argv[1])).open().ask()
 with at_work(trial, Path(sys.argv[1])):

@@ -14,7 +14,7 @@ import yaml
 from program import records, told
 
 from benchbench.analysis.suite import cpu, outcome
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.run import config
 from benchbench.run.suites import Suite, suite, suites
 from benchbench.storage.schema import make_record

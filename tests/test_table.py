@@ -15,7 +15,7 @@ import pytest
 from program import COMMAND, assert_refused, told
 
 from benchbench.cli import commands
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.storage.collect import collect
 from benchbench.storage.describe import describe
 from benchbench.storage.files import write_record

@@ -15,7 +15,7 @@ import pytest
 import yaml
 from omegaconf import DictConfig, OmegaConf
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.motion import Motion, sample
 from benchbench.ocp.task_family import Draws, TaskFamily, rounded
 from benchbench.planning.case import Case

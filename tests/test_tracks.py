@@ -7,7 +7,7 @@ from typing import cast
 
 import pytest
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate
 from benchbench.ocp.track_file import read

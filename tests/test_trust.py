@@ -15,13 +15,12 @@ import pyarrow as pa
 import pytest
 import yaml
 
-from benchbench import pipeline
 from benchbench.cli.commands import best
 from benchbench.cli.report_content import content
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.cache import cache_root, private
 from benchbench.ocp.reading import DEEPEST
-from benchbench.run import config, trust
+from benchbench.run import config, pipeline, trust
 from benchbench.storage.collect import collect
 from benchbench.storage.configuration import LARGEST, configuration, read
 from benchbench.storage.formats import csv
@@ -33,7 +32,7 @@ SMALL = ("+scenario=static", "scenario.intervals=12", "iteration_limit=1", "comp
 TARGETS = (
     "os.system", "os._exit", "builtins.eval", "builtins.exec", "subprocess.run", "subprocess.Popen", "pickle.loads",
     "pathlib.Path", "shutil.rmtree", "ctypes.CDLL", "runpy.run_path", "importlib.import_module", "hydra.utils.instantiate",
-    "benchbench_plugins.peers.togt.shutil.copytree", "benchbench_plugins.motions.spline.Path", "benchbench.pipeline.run",
+    "benchbench_plugins.peers.togt.shutil.copytree", "benchbench_plugins.motions.spline.Path", "benchbench.run.pipeline.run",
     "benchbench_plugins.strategies.peer.External", "casadi.external", "numpy.load", "", "os", "...", "benchbench_plugins",
 )  # fmt: skip
 """What Hydra could make of a stored `_target_`; the last ones are no names at all."""

@@ -14,15 +14,14 @@ import pytest
 from program import records, told
 from sweeps import path_with_bad_runs
 
-from benchbench import pipeline
 from benchbench.cli.commands import tune
-from benchbench.errors import BadInput, Pruned
-from benchbench.run import config
+from benchbench.ground.errors import BadInput, Pruned
+from benchbench.run import config, pipeline
 from benchbench.run.progress import LiveLine
-from benchbench.tuning import outcome
-from benchbench.tuning.space import read
-from benchbench.tuning.steps import TrialReport
-from benchbench.tuning.storage import opened
+from benchbench.sweep.tuning import outcome
+from benchbench.sweep.tuning.space import read
+from benchbench.sweep.tuning.steps import TrialReport
+from benchbench.sweep.tuning.storage import opened
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "tuning" / "schedule.yaml"
 FLOWN = ("strategy=phases", "strategy.margin=0", "dynamics=collocation")

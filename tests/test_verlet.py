@@ -10,11 +10,11 @@ import pytest
 from flights import table_one
 from scipy.optimize import root
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.initial_value import integrate, one_phase, told, transcribe
 from benchbench.conformance.checks.orders import check_consistency, check_order, energy_errors
 from benchbench.conformance.checks.states import at_rest
 from benchbench.formulation.handover import phases
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import evaluate
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.model import Model

@@ -11,7 +11,7 @@ import pytest
 from program import told
 
 import benchbench as bb
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 

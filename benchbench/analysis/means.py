@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 
 @dataclass(frozen=True)

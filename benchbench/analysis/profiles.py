@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 Staircase = tuple[Array, Array]
 """A step function: places (increasing) and the value from each place on."""

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchbench.arrays import Array, Flags
 from benchbench.certificate.evidence import Evidence
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import Replay
+from benchbench.ground.arrays import Array, Flags
 from benchbench.ocp.contact import Contact
 from benchbench.ocp.model import Plant
 from benchbench.ocp.motion import sample

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.contact_bound import ALL, Ask, Visit
 from benchbench.certificate.course import Course
 from benchbench.certificate.handover_bound import visit
 from benchbench.certificate.leg import yaw_rate
 from benchbench.certificate.speed_bound import sequence_bound
 from benchbench.certificate.turning import ByRate
+from benchbench.ground.arrays import Array
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import AXES, Model, Plant, travels
 from benchbench.ocp.motion import sample

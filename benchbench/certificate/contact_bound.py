@@ -18,10 +18,10 @@ from typing import Literal
 
 import numpy as np
 
-from benchbench.arrays import Array, Flags, Index
 from benchbench.certificate.course import Course
 from benchbench.certificate.leg import Leg
 from benchbench.certificate.turning import Turning
+from benchbench.ground.arrays import Array, Flags, Index
 from benchbench.ocp.motion import sample
 from benchbench.ocp.stop import Stop
 

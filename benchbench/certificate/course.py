@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from benchbench.arrays import Array, Flags, Index
+from benchbench.ground.arrays import Array, Flags, Index
 from benchbench.ocp.contact import SLOW
 
 SHARP = 0.5

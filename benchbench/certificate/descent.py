@@ -9,8 +9,8 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, OptimizeResult, milp
 from scipy.sparse import csr_array, diags_array, hstack, vstack
 
-from benchbench.arrays import Array
 from benchbench.certificate.linearised import Tangent
+from benchbench.ground.arrays import Array
 
 Answer = Literal["yes", "no", "undecided"]
 

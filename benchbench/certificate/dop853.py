@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.dop853_coefficients import EXTRA, FIFTH, STAGES, THIRD, A, C, D
+from benchbench.ground.arrays import Array
 
 Rate = Callable[[float, Array], Array]
 """dy/dx (M, n) at a fraction x in [0, 1] of the step, for y (M, n)."""

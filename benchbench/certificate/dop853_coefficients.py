@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 STAGES = 12
 EXTRA = (13, 14, 15)

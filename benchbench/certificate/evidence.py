@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from benchbench.arrays import Array
 from benchbench.certificate.limited import Limited
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import Defects, Replay
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.residuals import Residuals
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.plan import Plan

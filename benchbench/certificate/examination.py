@@ -10,7 +10,7 @@ from typing import Generic, TypeVar
 from benchbench.certificate.certificate import Measures
 from benchbench.certificate.check import Checks
 from benchbench.certificate.evidence import Evidence, Given
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.ocp.scenario import Scenario
 
 E = TypeVar("E", bound=Evidence)

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from benchbench.certificate.check import Check, Checks
 from benchbench.certificate.evidence import Evidence
 from benchbench.certificate.named import named
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 
 def further(evidence: Evidence) -> Checks:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import AXES, AgileModel, Model, output_box, space
 from benchbench.ocp.scenario import Scenario
 

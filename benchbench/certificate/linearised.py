@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
-from benchbench.arrays import Array, Flags, Index
+from benchbench.ground.arrays import Array, Flags, Index
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.program import Program, assemble
 

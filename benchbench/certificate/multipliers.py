@@ -10,8 +10,8 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csc_array, hstack, vstack
 
-from benchbench.arrays import Array
 from benchbench.certificate.linearised import Tangent
+from benchbench.ground.arrays import Array
 
 Kind = Literal["S", "M", "C", "W", "none", "undecided"]
 Side = tuple[float, float, float, float]

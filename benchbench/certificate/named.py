@@ -9,7 +9,7 @@ from importlib import import_module
 from importlib.metadata import entry_points
 from typing import Any
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 GROUP = "benchbench.checks"
 """Entry point group in which installed packages give their checks short names."""

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.difference import angle, distance
 from benchbench.certificate.evidence import Evidence
+from benchbench.ground.arrays import Array
 
 
 def flown(evidence: Evidence) -> dict[str, Any]:

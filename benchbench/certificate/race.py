@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.arrays import Index
 from benchbench.certificate.certificate import Measures
 from benchbench.certificate.checks.gates import gates, race_end, segments
 from benchbench.certificate.checks.intervals import (
@@ -24,6 +23,7 @@ from benchbench.certificate.limited import Limited
 from benchbench.certificate.numbers import flown
 from benchbench.certificate.passing import GateEvidence, as_passed, gate_nodes
 from benchbench.certificate.replay import fly
+from benchbench.ground.arrays import Index
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import input_bounds, output_bounds, output_box, velocity_bounds
 from benchbench.ocp.plan import Plan

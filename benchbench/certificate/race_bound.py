@@ -19,7 +19,7 @@ from functools import cache
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Model, Plant, racing, space
 from benchbench.ocp.race import Race
 from benchbench.ocp.track import Gate

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array, Index
 from benchbench.certificate import sequential
 from benchbench.certificate.pieces import Pieces
 from benchbench.certificate.shooting import Shot, roughly, settled
+from benchbench.ground.arrays import Array, Index
 from benchbench.ocp.model import Plant
 from benchbench.ocp.plan import Plan
 

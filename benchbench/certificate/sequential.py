@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.pieces import slope
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Plant
 from benchbench.ocp.plan import Plan, bezier
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array, Index
 from benchbench.certificate.dop853 import Step, along, step
 from benchbench.certificate.pieces import Pieces
+from benchbench.ground.arrays import Array, Index
 
 SETTLED = 1e-10
 """m, rad, m/s or rad/s: the last correction of Newton's method, whose next one would be far smaller."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import AXES, Model, Plant, space
 from benchbench.ocp.motion import sample
 from benchbench.ocp.scenario import Scenario

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.descent import Answer, b_stationary
 from benchbench.certificate.linearised import Linearised
 from benchbench.certificate.multipliers import Kind, Unsettled, classify, weak
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.residuals import Residuals, residuals
 

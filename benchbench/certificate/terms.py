@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate import advice
 from benchbench.certificate.check import Checks, at_most
 from benchbench.certificate.evidence import Evidence
+from benchbench.ground.arrays import Array
 from benchbench.ocp.plan import bezier
 from benchbench.ocp.touching import motors
 

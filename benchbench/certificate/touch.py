@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.audit import Audit, ContactEvidence
+from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import sample
 
 

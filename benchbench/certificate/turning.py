@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array, Flags
+from benchbench.ground.arrays import Array, Flags
 
 
 class Turning(ABC):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.speed_bound import STEP, arm_reach, rate_bound
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import AXES, Model, travels
 from benchbench.ocp.motion import sample
 from benchbench.ocp.scenario import Scenario

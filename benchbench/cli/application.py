@@ -16,7 +16,7 @@ from omegaconf import DictConfig
 
 from benchbench.cli import commands, front, sweep_summary
 from benchbench.cli.composing import compose_and_run
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.run import config, summary
 from benchbench.run.drawing import drawn
 from benchbench.run.execution import BAD_INPUT, CERTIFIED, Ended, Place, execute, failure

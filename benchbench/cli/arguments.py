@@ -7,7 +7,7 @@ import textwrap
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from typing import NoReturn
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 
 class Parser(ArgumentParser):

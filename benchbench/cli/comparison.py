@@ -13,7 +13,7 @@ from rich.table import Table
 from benchbench.analysis.pairs import Pairs, Row, paired
 from benchbench.analysis.suite import cpu
 from benchbench.cli.finding import run_folder
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.report.figure_file import write_figure
 from benchbench.run.settings import NOT_DECISIVE
 from benchbench.storage.configuration import configuration

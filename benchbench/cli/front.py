@@ -10,7 +10,7 @@ from pathlib import Path
 
 from benchbench import __version__
 from benchbench.cli import commands
-from benchbench.errors import BadInput, BenchBenchError, unknown_choice
+from benchbench.ground.errors import BadInput, BenchBenchError, unknown_choice
 from benchbench.run.choices import FAMILIES, FLYING, choices
 from benchbench.run.telling import complain, usage
 

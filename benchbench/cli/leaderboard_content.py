@@ -19,7 +19,7 @@ from benchbench.analysis.costs import solve_time
 from benchbench.analysis.naming import name_runs
 from benchbench.cli.gathering import Gathered
 from benchbench.cli.report_content import plan_view
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.report.html.leaderboard import Board, Entry, Place
 from benchbench.report.html.page import PlanView
 from benchbench.run.failure import reason

@@ -14,8 +14,8 @@ import hydra
 from hydra.core.global_hydra import GlobalHydra
 from omegaconf import OmegaConf
 
-from benchbench import registry
-from benchbench.errors import BadInput
+from benchbench.ground import registry
+from benchbench.ground.errors import BadInput
 from benchbench.nlp.availability import Availability, works
 from benchbench.nlp.solver import Accuracy, Setup
 from benchbench.ocp.kinds import OWN as OWN_KINDS

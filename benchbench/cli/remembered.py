@@ -12,7 +12,7 @@ from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
-from benchbench import registry
+from benchbench.ground import registry
 from benchbench.mpcc.cache import cache_root, private
 from benchbench.run.choices import folder
 

@@ -13,7 +13,7 @@ import yaml  # type: ignore[import-untyped]
 
 from benchbench.analysis.costs import solve_time
 from benchbench.analysis.naming import name_runs
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.html.charts.convergence import Converged
 from benchbench.report.html.page import PlanView, Report

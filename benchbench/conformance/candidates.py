@@ -13,7 +13,7 @@ from hydra.core.object_type import ObjectType
 from hydra.errors import InstantiationException
 from omegaconf import OmegaConf
 
-from benchbench.registry import installed
+from benchbench.ground.registry import installed
 from benchbench.run import choices, config
 from benchbench.run.choice import choice
 

@@ -10,7 +10,7 @@ import pytest
 from benchbench.conformance.candidates import Configured, candidates
 from benchbench.conformance.checks.programs import Known, known
 from benchbench.conformance.checks.relaxations import CHECKS, check_solution
-from benchbench.errors import Unavailable
+from benchbench.ground.errors import Unavailable
 from benchbench.nlp.relaxation import Relaxation, relax
 from benchbench.nlp.solver import Setup, Solver
 from benchbench.planning.case import Case

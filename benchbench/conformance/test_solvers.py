@@ -11,7 +11,7 @@ from benchbench.conformance.checks.programs import Known, known
 from benchbench.conformance.checks.smooth_programs import SmoothProgram, convex, hard
 from benchbench.conformance.checks.solvers import CHECKS, check_claim, check_pairs, check_solves, solved
 from benchbench.conformance.checks.staged_programs import lands_at, rest_to_rest, tracking
-from benchbench.errors import IncompatibleCase, Unavailable
+from benchbench.ground.errors import IncompatibleCase, Unavailable
 from benchbench.nlp.solver import Setup, Solver
 from benchbench.run import config
 

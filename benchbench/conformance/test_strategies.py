@@ -9,7 +9,7 @@ import pytest
 
 from benchbench.conformance.candidates import Configured, candidates
 from benchbench.conformance.checks.strategies import CHECKS, Tried
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.planning.case import Case
 from benchbench.run import config
 

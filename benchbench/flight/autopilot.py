@@ -5,9 +5,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from benchbench.arrays import Array
 from benchbench.flight.controller import Known
 from benchbench.flight.sensed import Command, Triple
+from benchbench.ground.arrays import Array
 
 
 class Autopilot(ABC):

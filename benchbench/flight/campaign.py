@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from benchbench.analysis.binomial import decided
 from benchbench.certificate.replay import Replay
-from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.flight.autopilot import Autopilot
 from benchbench.flight.controller import Controller, Known
 from benchbench.flight.course import Control, Course, Steady
@@ -29,6 +28,7 @@ from benchbench.flight.sensors import Sensors
 from benchbench.flight.sight import Sight
 from benchbench.flight.training import training_reference
 from benchbench.flight.world import World
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.ocp.airframe import Airframe, FlownModel, airframe_of
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import Plan

@@ -13,12 +13,12 @@ import numpy as np
 
 from benchbench.analysis.binomial import CONFIDENCE, exact_bound
 from benchbench.analysis.wilson import wilson
-from benchbench.arrays import Array
 from benchbench.flight.campaign import Campaign, Flown
 from benchbench.flight.limits import FlightLimits
 from benchbench.flight.loop import Log
 from benchbench.flight.reference import Reference
 from benchbench.flight.world import STEP
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 
 NAMES = ("world", "controller", "autopilot", "residual", "payload", "predictor", "mismatch", "rig")

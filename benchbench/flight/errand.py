@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import singledispatch
 
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.motion import Motion
 

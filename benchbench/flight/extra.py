@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-from benchbench.errors import Unavailable
+from benchbench.ground.errors import Unavailable
 
 
 def need(module: str, by: str) -> None:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from numpy import uint8
 from numpy.typing import NDArray
 
-from benchbench.arrays import Array
 from benchbench.flight.rig import Rig
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 
 WIDTH, HEIGHT = 640, 480

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.errors import BadInput
 from benchbench.flight.from_plan import LEAD
 from benchbench.flight.mismatch import Mismatch
 from benchbench.flight.predictor import Predictor
 from benchbench.flight.sight import Sight
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.motion import Motion, sample
 
 NEAR, ALONG = 0.02, 0.05

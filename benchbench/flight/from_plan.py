@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay
 from benchbench.flight.errand import Errand
 from benchbench.flight.reference import Reference, matrices
 from benchbench.flight.statics import hover
 from benchbench.flight.world import STEP
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe, airframe_of
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import sample

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchbench.arrays import Array
 from benchbench.flight.controller import PERIOD
 from benchbench.flight.limits import FlightLimits
 from benchbench.flight.loop import Log
 from benchbench.flight.reference import Reference, matrices, tip
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 
 Flags = NDArray[np.bool_]

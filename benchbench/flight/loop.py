@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from benchbench.arrays import Array
 from benchbench.flight.controller import PERIOD
 from benchbench.flight.course import Course
 from benchbench.flight.sensed import Command, Sensed, Triple
 from benchbench.flight.sensors import Sensors
 from benchbench.flight.world import STEP, Actuators, Truth
+from benchbench.ground.arrays import Array
 
 EVERY = round(PERIOD / STEP)
 """Steps of the world for one of the controller."""

@@ -7,7 +7,7 @@ from typing import Any, final
 import numpy as np
 from pydantic import BaseModel, ConfigDict
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.task_family import AtLeastZero, Between, Draws
 
 NONE = (0.0, 0.0)

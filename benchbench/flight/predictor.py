@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion
 
 

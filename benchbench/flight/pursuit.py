@@ -9,7 +9,6 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.course import Control
 from benchbench.flight.from_plan import TAIL, at_rest
 from benchbench.flight.predictor import Predictor
@@ -18,6 +17,7 @@ from benchbench.flight.replanning import Replanning, Way
 from benchbench.flight.sight import Sight
 from benchbench.flight.statics import hover
 from benchbench.flight.world import STEP
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 from benchbench.ocp.motion import Motion, sample
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from benchbench.arrays import Index
 from benchbench.flight.campaign import Flown
 from benchbench.flight.loop import EVERY, Log
 from benchbench.flight.reference import Reference, tip
+from benchbench.ground.arrays import Index
 from benchbench.ocp.airframe import airframe_of
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan

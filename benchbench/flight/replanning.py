@@ -7,8 +7,8 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.world import STEP
+from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case

@@ -9,7 +9,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 NODE = 10
 """Numbers of a predicted state: position m, quaternion w x y z, velocity m/s (world)."""

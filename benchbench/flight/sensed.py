@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 Triple = tuple[float, float, float]
 

@@ -6,9 +6,9 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.mismatch import Drawn
 from benchbench.flight.predictor import Seen
+from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion, sample
 
 EYE = 0.02

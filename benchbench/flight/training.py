@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.reference import Reference, matrices
 from benchbench.flight.statics import arm_moment, mixer
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 from benchbench.ocp.task_family import Draws
 

@@ -6,10 +6,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from benchbench.arrays import Array
 from benchbench.flight.mismatch import Drawn
 from benchbench.flight.reference import Reference
 from benchbench.flight.rig import Rig
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 
 STEP = 0.002

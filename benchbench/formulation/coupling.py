@@ -13,7 +13,7 @@ from functools import partial
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, block, rows
 from benchbench.ocp.contact import Condition, Contacts, Kept, Target
 from benchbench.ocp.model import Model

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array, Index
 from benchbench.formulation.gate_conditions import GateCondition, conditions
+from benchbench.ground.arrays import Array, Index
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, block, rows
 from benchbench.ocp.model import Model
 from benchbench.ocp.race import Race

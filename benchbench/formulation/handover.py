@@ -8,13 +8,13 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import IncompatibleCase
 from benchbench.formulation import open_order
 from benchbench.formulation.coupling import Coupling
 from benchbench.formulation.formulation import Formulation
 from benchbench.formulation.problem import NodesByStop, Problem
 from benchbench.formulation.transcribed import transcribed
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, block
 from benchbench.ocp.contact import still
 from benchbench.ocp.plan import Plan

@@ -17,8 +17,8 @@ from itertools import combinations
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.formulation.coupling import Coupling
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable, block, rows
 from benchbench.ocp.stop import Itinerary, Stop
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.formulation.coupling import progress_index
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.plan import ONLY, Plan
 from benchbench.transcription.grid import Trajectory

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.formulation.formulation import Formulation
 from benchbench.formulation.gates import StatePlace, at_nodes, by_progress, passed_at
 from benchbench.formulation.problem import NodesByStop, Problem
 from benchbench.formulation.transcribed import transcribed
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import racing

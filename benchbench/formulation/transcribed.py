@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import casadi as ca
 
-from benchbench.errors import IncompatibleCase
 from benchbench.formulation.coupling import Coupling
 from benchbench.formulation.formulation import Formulation
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, Pair, block, rows
 from benchbench.ocp.motion import Nowhere
 from benchbench.ocp.touching import TouchingModel

@@ -23,7 +23,7 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Index
+from benchbench.ground.arrays import Index
 from benchbench.mpcc import compiler
 from benchbench.mpcc.cache import cache_root, private
 

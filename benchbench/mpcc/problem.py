@@ -15,7 +15,7 @@ from typing import Any, Literal
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array, Flags, Index
+from benchbench.ground.arrays import Array, Flags, Index
 
 PairKind = Literal["complementarity", "vanishing"]
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, Slot, Variable
 
 

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.errors import BenchBenchError, Unavailable
+from benchbench.ground.errors import BenchBenchError, Unavailable
 from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Point, Setup
 

@@ -9,8 +9,8 @@ from typing import Self
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.residuals import residuals
 from benchbench.nlp.ledger import Ledger

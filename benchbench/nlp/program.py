@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array, Index
+from benchbench.ground.arrays import Array, Index
 from benchbench.mpcc.derivatives import Compile, Derivatives, derivatives
 from benchbench.mpcc.problem import Block, Mpcc, gather
 from benchbench.mpcc.spending import note, spending

@@ -11,7 +11,7 @@ import casadi as ca
 import numpy as np
 from pydantic import Field
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable, evaluate
 
 Schedule = Annotated[tuple[Annotated[float, Field(gt=0, allow_inf_nan=False)], ...], Field(min_length=1)]

@@ -7,8 +7,8 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
-from benchbench.arrays import Array
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.derivatives import Compile
 from benchbench.mpcc.problem import Mpcc
 

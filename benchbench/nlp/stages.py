@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array, Index
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.arrays import Array, Index
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, block, gather
 from benchbench.nlp.program import Program
 from benchbench.nlp.solver import Point

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchbench.arrays import Array, Index
+from benchbench.ground.arrays import Array, Index
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.solver import Point
 

@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 
 import casadi as ca
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Model, Plant, space
 from benchbench.ocp.node import Node
 

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import casadi as ca
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Model, Plant
 
 

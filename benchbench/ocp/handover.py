@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self, final
 
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf, model_validator
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.contact import Contact, Contacts
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.scenario import NonNegative, Positive, Scenario, Share

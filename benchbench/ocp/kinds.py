@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from benchbench import registry
-from benchbench.errors import BadInput
+from benchbench.ground import registry
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario

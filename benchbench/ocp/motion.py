@@ -9,7 +9,7 @@ from typing import final
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 BATCH = 1000
 """Times of a target that are evaluated together: CasADi's time to make a map grows with its length."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.columns import NODE, TIME, input_columns, progress_columns, velocity_columns
 from benchbench.ocp.model import Model
 

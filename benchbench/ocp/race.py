@@ -10,8 +10,8 @@ from typing import Annotated, Any, ClassVar, Self, final
 import numpy as np
 from pydantic import Field, model_validator
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Ends, Finite, NonNegative, Positive, Scenario, at_rest, point
 from benchbench.ocp.sizes import GATES, Intervals

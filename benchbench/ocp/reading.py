@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml  # type: ignore[import-untyped]
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 MOST = 100_000
 """Values in YAML; a few aliases in a short file can stand for billions."""

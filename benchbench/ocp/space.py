@@ -9,7 +9,7 @@ from typing import final
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array, Flags
+from benchbench.ground.arrays import Array, Flags
 
 
 class Space(ABC):

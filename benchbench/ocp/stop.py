@@ -9,8 +9,8 @@ from typing import Literal
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.contact import Contacts, NoseContact
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import ONLY

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Ends, Scenario, at_rest, point, straight
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import casadi as ca
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Model
 
 

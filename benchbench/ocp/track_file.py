@@ -10,7 +10,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from benchbench.errors import BadInput, unknown_field
+from benchbench.ground.errors import BadInput, unknown_field
 from benchbench.ocp.reading import content, plain_yaml
 from benchbench.ocp.sizes import GATES, TRACK_BYTES
 from benchbench.ocp.track import EXACT, Direction, Gate, Opening, Track, Triple, triple

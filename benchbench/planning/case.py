@@ -11,8 +11,8 @@ from benchbench.certificate.bound import bounded
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify, certify_problem
 from benchbench.certificate.limits import Limits, ProblemLimits
-from benchbench.errors import IncompatibleCase
 from benchbench.formulation.formulation import Formulation
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.ready import ReadyMade
 from benchbench.nlp.homotopy import Solved

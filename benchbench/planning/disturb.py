@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.random import Generator
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.formulation.problem import Problem
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, evaluate
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import Case

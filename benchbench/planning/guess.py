@@ -8,7 +8,7 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.model import AXES, space, travels
 from benchbench.ocp.motion import sample

@@ -7,8 +7,8 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.problem import Block, Mpcc, block, rows
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.model import travels

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from benchbench.arrays import Array, Flags
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.difference import angle, distance, rate, speed
 from benchbench.certificate.limited import Limited
 from benchbench.certificate.replay import Replay, defects
+from benchbench.ground.arrays import Array, Flags
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case

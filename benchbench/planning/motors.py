@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.limits import Limits
 from benchbench.certificate.replay import defects
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.model import Model, Plant, space
 from benchbench.ocp.plan import Plan
 

@@ -14,7 +14,7 @@ from functools import singledispatch
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from benchbench.errors import BadInput, Crash, IncompatibleCase, NoPlan, Timeout, Unavailable
+from benchbench.ground.errors import BadInput, Crash, IncompatibleCase, NoPlan, Timeout, Unavailable
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.race import Race

@@ -10,7 +10,7 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Variable, block, rows
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger

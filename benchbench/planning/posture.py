@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.planning.case import Case
 
 SAMPLES, WIDE = 2000, {"m": 5.0, "rad": np.pi}

@@ -12,12 +12,12 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
-from benchbench.errors import BadInput, IncompatibleCase
 from benchbench.formulation.coupling import retargeted
 from benchbench.formulation.handover import SHORTEST, phases
 from benchbench.formulation.problem import Problem
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Block, Variable
 from benchbench.nlp.homotopy import Solved
 from benchbench.nlp.ledger import Ledger

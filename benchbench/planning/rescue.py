@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.model import Coordinates
 from benchbench.ocp.motion import sample

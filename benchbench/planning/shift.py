@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.solver import Point
 from benchbench.transcription.grid import Grid

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from benchbench.certificate.certificate import Certificate
-from benchbench.errors import IncompatibleCase
 from benchbench.formulation.problem import Problem
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan

@@ -9,12 +9,12 @@ from functools import singledispatch
 
 import numpy as np
 
-from benchbench import registry
-from benchbench.arrays import Array
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.conflict import conflicts
 from benchbench.certificate.speed_bound import arm_reach
-from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.ground import registry
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Setup
 from benchbench.ocp.contact import in_words

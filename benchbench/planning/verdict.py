@@ -9,8 +9,8 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.certificate import Certificate
+from benchbench.ground.arrays import Array
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import AnyCase
 from benchbench.planning.result import Result

@@ -13,10 +13,10 @@ from functools import cached_property, singledispatch
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.window_bound import window_bounds
-from benchbench.errors import IncompatibleCase
 from benchbench.formulation.handover import fixed_window, nearest_windows
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan

@@ -9,7 +9,7 @@ from typing import Literal
 import yaml  # type: ignore[import-untyped]
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
-from benchbench.errors import BadInput, invalid
+from benchbench.ground.errors import BadInput, invalid
 from benchbench.storage.best_known import packaged
 
 FILE = "paper_claims.yaml"

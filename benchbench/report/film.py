@@ -15,9 +15,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay
-from benchbench.errors import Unavailable
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import Unavailable
 from benchbench.ocp.motion import sample
 from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows

@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from benchbench.arrays import Array
 from benchbench.flight.campaign import Flown
 from benchbench.flight.limits import FlightLimits
 from benchbench.flight.reference import Reference, matrices, tip
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 from benchbench.report.png import Picture, write_png
 from benchbench.report.style import ARM, BAD, CONTACT, FAINT, FRAME, GOOD, INK, LIMIT, RC, TARGET, TOOL

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Coordinates, Model
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan, bezier

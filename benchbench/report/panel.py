@@ -11,7 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.offsetbox import AnchoredOffsetbox, HPacker, TextArea
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.report.grid import TICKS_IN, label_axes
 from benchbench.report.style import CONTACT, CURVES, INK, LIMIT
 

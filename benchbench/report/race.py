@@ -12,9 +12,9 @@ from matplotlib.figure import Figure, SubFigure
 from mpl_toolkits.mplot3d.art3d import Line3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 
-from benchbench.arrays import Array
 from benchbench.certificate.passing import as_passed
 from benchbench.certificate.replay import Replay
+from benchbench.ground.arrays import Array
 from benchbench.ocp.gates import passes
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan

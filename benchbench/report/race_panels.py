@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Model, input_bounds, output_bounds, output_box, velocity_bounds
 from benchbench.ocp.plan import Plan, bezier
 from benchbench.ocp.race import Race

@@ -13,9 +13,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from benchbench.arrays import Array
 from benchbench.certificate.passing import as_passed
 from benchbench.certificate.replay import Replay
+from benchbench.ground.arrays import Array
 from benchbench.ocp.contact import Contact, Standing
 from benchbench.ocp.model import Model, travels
 from benchbench.ocp.motion import sample

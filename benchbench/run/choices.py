@@ -8,8 +8,8 @@ from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
 
-from benchbench import registry
-from benchbench.errors import BadInput
+from benchbench.ground import registry
+from benchbench.ground.errors import BadInput
 
 GROUPS = {
     "dynamics": "dynamics", "relaxations": "relaxation", "solvers": "solver", "strategies": "strategy",

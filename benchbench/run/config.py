@@ -15,7 +15,7 @@ from omegaconf import DictConfig, OmegaConf, open_dict
 from pydantic import ValidationError
 
 from benchbench.certificate.limits import Limits, ProblemLimits
-from benchbench.errors import BadInput, invalid, unknown_field
+from benchbench.ground.errors import BadInput, invalid, unknown_field
 from benchbench.mpcc.ready import ReadyMade
 from benchbench.nlp.relaxation import Relaxation
 from benchbench.nlp.solver import Solver

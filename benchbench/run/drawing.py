@@ -7,7 +7,7 @@ from typing import Any
 
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.task_family import Draws, TaskFamily
 from benchbench.run.making import made
 

@@ -19,8 +19,7 @@ from hydra.types import RunMode
 from hydra.utils import instantiate
 from omegaconf import DictConfig, OmegaConf
 
-from benchbench import pipeline
-from benchbench.errors import (
+from benchbench.ground.errors import (
     BadInput,
     BenchBenchError,
     Crash,
@@ -30,7 +29,7 @@ from benchbench.errors import (
     Timeout,
     Unavailable,
 )
-from benchbench.run import config, flying, memory, settings
+from benchbench.run import config, flying, memory, pipeline, settings
 from benchbench.run.failure import cut, failed, reason
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.progress import LiveLine

@@ -6,7 +6,7 @@ import unicodedata
 from collections.abc import Mapping
 from typing import Any
 
-from benchbench.errors import (
+from benchbench.ground.errors import (
     BadInput,
     BenchBenchError,
     Crash,

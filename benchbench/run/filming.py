@@ -9,12 +9,12 @@ import numpy as np
 from omegaconf import OmegaConf
 from pydantic import ValidationError
 
-from benchbench.errors import BadInput, Unavailable
 from benchbench.flight.errand import errand
 from benchbench.flight.filmed import HEIGHT, WIDTH, Filmed, Scene
 from benchbench.flight.recording import STATE
 from benchbench.flight.rig import Rig
 from benchbench.flight.world import World
+from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.ocp.airframe import airframe_of
 from benchbench.ocp.motion import sample
 from benchbench.run import trust

@@ -7,7 +7,6 @@ from typing import Any
 
 from omegaconf import DictConfig
 
-from benchbench.errors import BadInput
 from benchbench.flight.autopilot import Autopilot
 from benchbench.flight.campaign import Campaign
 from benchbench.flight.controller import Controller
@@ -18,6 +17,7 @@ from benchbench.flight.predictor import Predictor
 from benchbench.flight.residual import Residual
 from benchbench.flight.rig import Rig
 from benchbench.flight.world import World
+from benchbench.ground.errors import BadInput
 from benchbench.run.making import made
 from benchbench.run.overrides import keys
 

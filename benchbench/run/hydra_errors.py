@@ -14,7 +14,7 @@ from omegaconf.errors import (
 )
 from yaml import YAMLError  # type: ignore[import-untyped]
 
-from benchbench.errors import BadInput, BenchBenchError, unknown_choice, unknown_field
+from benchbench.ground.errors import BadInput, BenchBenchError, unknown_choice, unknown_field
 from benchbench.run.choices import PARTS
 
 EXPECTED = (BenchBenchError, HydraException, OmegaConfBaseException, YAMLError)

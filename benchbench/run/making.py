@@ -10,7 +10,7 @@ from hydra.errors import InstantiationException
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from pydantic import ValidationError
 
-from benchbench.errors import BadInput, BenchBenchError, invalid, unknown_field
+from benchbench.ground.errors import BadInput, BenchBenchError, invalid, unknown_field
 from benchbench.run.hydra_errors import EXPECTED, explained
 
 

@@ -18,8 +18,8 @@ from hydra.plugins.config_source import ConfigLoadError, ConfigResult, ConfigSou
 from hydra.plugins.search_path_plugin import SearchPathPlugin
 from omegaconf import DictConfig, OmegaConf
 
-from benchbench import registry
-from benchbench.errors import BadInput
+from benchbench.ground import registry
+from benchbench.ground.errors import BadInput
 from benchbench.run.choices import GROUPS
 
 PLACES = {"scenario/contact": "_global_.scenario.contacts.{}", "scenario/motion": "_global_.scenario.target"}

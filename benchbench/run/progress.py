@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import Progress as Bar
 from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.nlp.ledger import Milestone, Watch
 from benchbench.nlp.solver import Progress
 

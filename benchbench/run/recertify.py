@@ -15,7 +15,7 @@ from pydantic import ValidationError
 
 from benchbench.certificate.certify import certify
 from benchbench.certificate.limits import Limits
-from benchbench.errors import BadInput, BenchBenchError
+from benchbench.ground.errors import BadInput, BenchBenchError
 from benchbench.ocp.reading import plain_yaml
 from benchbench.planning.task_hash import asked_hash
 from benchbench.run import trust

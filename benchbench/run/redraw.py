@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.run.failure import reason
 from benchbench.storage.configuration import configuration
 from benchbench.storage.files import CONFIG, PICTURE, PLAN, RECORD

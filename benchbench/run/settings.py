@@ -8,7 +8,7 @@ from typing import Literal, Self, get_args
 
 from omegaconf import DictConfig
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.storage.provenance import usable_cpus
 
 Rerun = Literal["missing", "failed", "all"]

@@ -7,15 +7,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, final
 
-from benchbench import pipeline
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.replay import Replay
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
+from benchbench.run import pipeline
 from benchbench.run.stored import limits, scene_parts
 from benchbench.run.summary import flies
 from benchbench.run.view import Source

@@ -7,9 +7,9 @@ from typing import Any
 
 from omegaconf import OmegaConf
 
-from benchbench import registry
 from benchbench.certificate.limits import Limits
-from benchbench.errors import BadInput
+from benchbench.ground import registry
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.ready import ReadyMade
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Scenario

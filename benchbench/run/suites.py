@@ -11,7 +11,7 @@ from omegaconf.errors import OmegaConfBaseException
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 from yaml import YAMLError  # type: ignore[import-untyped]
 
-from benchbench.errors import BadInput, invalid, unknown_choice
+from benchbench.ground.errors import BadInput, invalid, unknown_choice
 from benchbench.run import config
 from benchbench.run.overrides import keys
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from hydra.core.override_parser.types import ChoiceSweep, Override, RangeSweep
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 RUNS = 1_000_000
 """Most runs of one sweep."""

@@ -13,8 +13,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from benchbench import registry
-from benchbench.errors import BadInput
+from benchbench.ground import registry
+from benchbench.ground.errors import BadInput
 
 VALUES = (
     "benchbench.certificate.limits", "benchbench.flight.limits", "benchbench.flight.mismatch", "benchbench.flight.rig",

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from omegaconf import DictConfig
 
-from benchbench import pipeline
-from benchbench.errors import BadInput
 from benchbench.flight.campaign import Campaign
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.planning.case import Case, ReadyCase
 from benchbench.planning.given import Given
-from benchbench.run import config
+from benchbench.run import config, pipeline
 from benchbench.run.execution import config_hash, written
 from benchbench.run.flying import campaign
 from benchbench.run.overrides import quoted

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.replay import Replay
-from benchbench.errors import BadInput, BenchBenchError
+from benchbench.ground.errors import BadInput, BenchBenchError
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario

@@ -10,7 +10,7 @@ from typing import Any, Self
 
 import yaml  # type: ignore[import-untyped]
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.storage.files import write_bytes
 from benchbench.storage.schema import Record
 

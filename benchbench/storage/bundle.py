@@ -23,7 +23,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from benchbench.errors import BadInput, invalid
+from benchbench.ground.errors import BadInput, invalid
 from benchbench.storage import provenance
 from benchbench.storage.collect import collect
 from benchbench.storage.files import CONFIG, FLIGHTS, PLAN, RECORD, SOLUTION, replacing

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import final
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 CLAIMS = ".claims"
 """An empty file in the folder of results; each run, and its folder, has one of its bytes locked while it is at work."""

@@ -12,7 +12,7 @@ from typing import Any, final
 
 import pyarrow as pa
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.storage.files import RECORD
 from benchbench.storage.row_file import read_rows
 from benchbench.storage.schema import Record

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from benchbench import registry
+from benchbench.ground import registry
 from benchbench.storage.files import PLAN
 
 SOURCES = (".py", ".yaml")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from benchbench.errors import Unavailable
+from benchbench.ground.errors import Unavailable
 
 NAME = "convergence"
 """Key of the metadata."""

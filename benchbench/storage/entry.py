@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 
 RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS, FLIGHTS_PICTURE, FLIGHT = (
     "record.json",

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Interpolation, Plan
 

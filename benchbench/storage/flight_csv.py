@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.storage.flight import Flight, continuous
 from benchbench.storage.lines import check_start, read_lines
 

@@ -15,7 +15,7 @@ import pyarrow.compute as pc
 import pyarrow.csv
 import pyarrow.parquet as pq
 
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.errors import BadInput, Unavailable
 
 SUFFIXES = {".parquet": "parquet", ".csv": "csv", ".md": "markdown", ".tex": "latex"}
 

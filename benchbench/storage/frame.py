@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.columns import TIME, input_columns, progress_columns, stops_of, velocity_columns
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Interpolation, Plan

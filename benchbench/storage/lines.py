@@ -6,7 +6,7 @@ import csv
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 LARGEST = 500_000_000
 """Bytes of a file that is still read; a plan of 100 000 rows has 30 million."""

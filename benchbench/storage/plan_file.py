@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.columns import TIME
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Interpolation, Plan

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate.replay import Replay
-from benchbench.errors import Unavailable
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import Unavailable
 from benchbench.ocp.plan import Interpolation, Plan
 
 if TYPE_CHECKING:

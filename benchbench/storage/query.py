@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pyarrow as pa
 
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.errors import BadInput, Unavailable
 
 NAME = "runs"
 """What the table is called in a query."""

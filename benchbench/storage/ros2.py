@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from benchbench.arrays import Array
-from benchbench.errors import Unavailable
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import Unavailable
 from benchbench.storage.attached import KIND, NAME
 from benchbench.storage.entry import nanoseconds
 from benchbench.storage.flight import Flight

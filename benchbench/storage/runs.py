@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.storage.collect import collect
 from benchbench.storage.files import RECORD, write_record
 from benchbench.storage.schema import Record

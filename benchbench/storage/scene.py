@@ -27,7 +27,7 @@ from foxglove.messages import (
     Vector3,
 )
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.contact import Standing
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan

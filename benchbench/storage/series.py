@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput, Unavailable
 
 
 def read_series(path: Path, topic: str, names: Sequence[str]) -> Array:

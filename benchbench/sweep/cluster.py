@@ -9,7 +9,7 @@ from typing import Any, Final, Self, cast
 
 from hydra.core.config_search_path import ConfigSearchPath
 
-from benchbench.errors import BadInput, Crash
+from benchbench.ground.errors import BadInput, Crash
 from benchbench.run.execution import Ended
 from benchbench.sweep import remote
 from benchbench.sweep.task import Ends, Task, Tasks

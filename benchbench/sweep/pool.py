@@ -12,7 +12,7 @@ from typing import final
 
 from hydra.core.config_search_path import ConfigSearchPath
 
-from benchbench.errors import BadInput, BenchBenchError, Crash, OutOfMemory, Timeout
+from benchbench.ground.errors import BadInput, BenchBenchError, Crash, OutOfMemory, Timeout
 from benchbench.run import memory
 from benchbench.run.execution import Ended
 from benchbench.run.settings import Settings

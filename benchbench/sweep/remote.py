@@ -16,7 +16,7 @@ from pathlib import Path
 from hydra.core.config_search_path import ConfigSearchPath
 from omegaconf import read_write
 
-from benchbench.errors import Crash
+from benchbench.ground.errors import Crash
 from benchbench.run.execution import Ended
 from benchbench.sweep import processes
 from benchbench.sweep.pool import run_all

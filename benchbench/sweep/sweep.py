@@ -9,7 +9,7 @@ from typing import final
 from hydra.core.config_search_path import ConfigSearchPath
 from rich.console import Console
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.run.execution import Ended, Place, failure
 from benchbench.sweep.agenda import Agenda
 from benchbench.sweep.combination import Combination

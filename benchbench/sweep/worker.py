@@ -26,7 +26,7 @@ from hydra.types import HydraContext
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.run import memory
 from benchbench.run.execution import (
     BAD_INPUT,

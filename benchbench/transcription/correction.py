@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc
 from benchbench.transcription.grid import Trajectory
 from benchbench.transcription.nodal import NodalTrajectory

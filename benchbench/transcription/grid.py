@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Slot
 from benchbench.ocp.node import Node
 from benchbench.ocp.plan import Plan

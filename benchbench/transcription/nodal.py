@@ -12,7 +12,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array, Index
+from benchbench.ground.arrays import Array, Index
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, block, rows
 from benchbench.ocp.cost import Cost
 from benchbench.ocp.model import Model, output, output_box

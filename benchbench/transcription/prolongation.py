@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchbench.arrays import Array, Index
+from benchbench.ground.arrays import Array, Index
 from benchbench.transcription.grid import Grid
 
 Rows = Callable[[int, int], tuple[Index, Array] | None]

@@ -23,7 +23,7 @@ from typing import Literal
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
 from benchbench.ocp import mechanics
 from benchbench.ocp.model import ExplicitModel, Model, space

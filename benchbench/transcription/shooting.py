@@ -6,7 +6,7 @@ from typing import Literal
 
 import casadi as ca
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.mechanics import acceleration
 from benchbench.ocp.model import Model, space

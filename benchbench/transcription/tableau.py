@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 Points = Literal["legendre", "radau"]
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate import advice
 from benchbench.certificate.check import Checks, at_most, worst
 from benchbench.certificate.difference import angle, distance, rate, speed
 from benchbench.certificate.evidence import Evidence
+from benchbench.ground.arrays import Array
 
 
 def defect_position(evidence: Evidence) -> Checks:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate import advice
 from benchbench.certificate.check import BEYOND, Checks, at_most, worst
 from benchbench.certificate.evidence import Evidence
+from benchbench.ground.arrays import Array
 
 UNIT_LENGTH = 1e-6
 """Largest error of the length of a planned quaternion."""

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.certificate import advice
 from benchbench.certificate.check import Checks, at_most, worst
 from benchbench.certificate.evidence import Evidence
+from benchbench.ground.arrays import Array
 from benchbench.ocp.contact import Contact
 
 

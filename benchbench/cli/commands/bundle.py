@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.run.telling import complain
 
 EPILOG = """The archive is a zip file with record, configuration, plan and overrides of each run, the versions of everything that is

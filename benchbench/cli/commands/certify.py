@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 EPILOG = """The plan is flown again and judged like our own, and recorded with its picture. The exit code is 0 when it is
 certified, 1 when not, 2 for bad input. The columns of the file stand in docs/foreign_plans.md.

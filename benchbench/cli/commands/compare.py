@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 EPILOG = """Of two runs it says what was chosen differently, what came out, and draws both plans into one figure. Of two folders it
 pairs the runs by what both chose alike (task, seed, solver ...), the newest of each, and says what came out of each pair.

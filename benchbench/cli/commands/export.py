@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 SUFFIXES = {".csv": "csv", ".mcap": "ros2"}
 

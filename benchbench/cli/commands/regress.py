@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.errors import BadInput, Unavailable
 
 if TYPE_CHECKING:
-    from benchbench.regression.compare import Change
-    from benchbench.regression.matrix import Matrix
-    from benchbench.regression.measure import Measured
+    from benchbench.sweep.regression.compare import Change
+    from benchbench.sweep.regression.matrix import Matrix
+    from benchbench.sweep.regression.measure import Measured
 
 EXAMPLES = """examples
   benchbench regress                    against references/baseline; exit code 1 if anything became worse
@@ -29,9 +29,9 @@ STYLE = {"same": "", "better": "green", "WORSE": "bold red"}
 
 def run(arguments: Sequence[str]) -> int:
     """Return 0 if nothing became worse, 1 otherwise; raises BadInput."""
-    from benchbench.regression import baseline
-    from benchbench.regression.compare import compare, unavailable
-    from benchbench.regression.matrix import Matrix
+    from benchbench.sweep.regression import baseline
+    from benchbench.sweep.regression.compare import compare, unavailable
+    from benchbench.sweep.regression.matrix import Matrix
 
     asked = parser().parse_args(arguments)
     if os.environ.get("OMP_NUM_THREADS") != "1":  # libraries read it when they are loaded
@@ -81,8 +81,8 @@ def _check_names(matrix: Matrix, old: dict[str, Measured], update: bool) -> None
 def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> tuple[dict[str, Measured], dict[str, str]]:
     """What each case gave, and why those that need something that is not installed gave nothing."""
     from benchbench.nlp.reference import Reference
-    from benchbench.regression.measure import measure
     from benchbench.run.working import Working
+    from benchbench.sweep.regression.measure import measure
 
     entries, missing = {}, {}
     with Working("the reference solve") as hear:

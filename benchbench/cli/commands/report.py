@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.run.telling import complain
 
 if TYPE_CHECKING:

@@ -35,7 +35,7 @@ def run(arguments: Sequence[str]) -> Sweep:
     """Return the sweep it is short for; raises BadInput."""
     from benchbench.cli.commands import Sweep
     from benchbench.cli.robust_summary import conclude
-    from benchbench.errors import BadInput
+    from benchbench.ground.errors import BadInput
     from benchbench.run.overrides import keys
 
     _, more = parser().parse_known_args(arguments)
@@ -55,7 +55,7 @@ def run(arguments: Sequence[str]) -> Sweep:
 
 def _check_target(typed: Sequence[str]) -> None:
     """Refuse once what every run of the search would refuse."""
-    from benchbench.errors import BadInput
+    from benchbench.ground.errors import BadInput
 
     for text in typed:
         key, _, value = text.lstrip("+").partition("=")
@@ -71,8 +71,8 @@ def _check_target(typed: Sequence[str]) -> None:
 
 def _check_flown(typed: Sequence[str]) -> None:
     """Refuse a scenario of ours that has nothing to be flown, before fields are added that it does not have."""
-    from benchbench.errors import BadInput, BenchBenchError
     from benchbench.flight.errand import errand
+    from benchbench.ground.errors import BadInput, BenchBenchError
     from benchbench.run import config
 
     told = [text.partition("=")[2] for text in typed if text.lstrip("+").startswith("scenario=")]

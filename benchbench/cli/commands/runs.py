@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 if TYPE_CHECKING:
     from benchbench.storage.runs import StoredRun

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput, unknown_field
+from benchbench.ground.errors import BadInput, unknown_field
 from benchbench.run.telling import complain
 
 if TYPE_CHECKING:

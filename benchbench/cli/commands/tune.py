@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from benchbench.cli.arguments import Parser
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 SETTINGS = ("study_name", "storage", "n_trials", "objectives", "sampler", "seed", "prune", "over")
 PARTS = ("space", "problems", "fixed", *SETTINGS)

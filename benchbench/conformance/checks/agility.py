@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array, Flags
 from benchbench.conformance.checks.require import require
 from benchbench.conformance.checks.states import at_rest
+from benchbench.ground.arrays import Array, Flags
 from benchbench.ocp.model import AgileModel, Model, output_box
 
 STEP, STEPS, FLIGHTS = 1e-3, 300, 60

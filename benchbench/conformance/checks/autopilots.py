@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.flying import RIG, hanging, known, staying, vehicle
 from benchbench.conformance.checks.require import require
 from benchbench.flight.autopilot import Autopilot
@@ -14,6 +13,7 @@ from benchbench.flight.inertia import rigid
 from benchbench.flight.sensed import Command, Triple
 from benchbench.flight.statics import mixer
 from benchbench.flight.world import STEP
+from benchbench.ground.arrays import Array
 
 WEIGHT = 1.0
 """Share of the vehicle's weight that is asked as thrust."""

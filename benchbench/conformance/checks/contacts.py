@@ -14,9 +14,9 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array, Flags
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import random_states
+from benchbench.ground.arrays import Array, Flags
 from benchbench.ocp.contact import Condition, Contact, Target
 from benchbench.ocp.model import Model
 from benchbench.ocp.node import Node

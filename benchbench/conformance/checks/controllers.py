@@ -8,13 +8,13 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.flying import Obedient, known, shifted, wandering
 from benchbench.conformance.checks.require import require
 from benchbench.flight.controller import PERIOD, Controller
 from benchbench.flight.reference import Reference
 from benchbench.flight.residual import Correction, Recorder, Sample
 from benchbench.flight.sensed import Command, Sensed
+from benchbench.ground.arrays import Array
 
 PUSH = np.array([0.4, -0.3, 0.5])
 """m/s^2, which the model does not know."""

@@ -17,7 +17,6 @@ from itertools import product
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.initial_value import (
     Transcribed,
     one_phase,
@@ -26,6 +25,7 @@ from benchbench.conformance.checks.initial_value import (
 )  # fmt: skip
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc, evaluate, gather
 from benchbench.ocp.model import Model, input_bounds, output, output_bounds, output_box
 from benchbench.ocp.plan import Plan

@@ -7,7 +7,6 @@ from functools import cache
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.controller import PERIOD, Known
 from benchbench.flight.mismatch import Drawn, Mismatch
 from benchbench.flight.reference import Reference, matrices
@@ -16,6 +15,7 @@ from benchbench.flight.sensed import Command, Sensed
 from benchbench.flight.statics import hover
 from benchbench.flight.training import training_reference
 from benchbench.flight.world import STEP
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe, FlownModel
 from benchbench.run import config
 

@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.require import require
+from benchbench.ground.arrays import Array
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case, Guess

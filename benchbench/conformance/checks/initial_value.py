@@ -11,9 +11,9 @@ from scipy.integrate import solve_ivp
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from benchbench.arrays import Array, Flags, Index
 from benchbench.conformance.checks.require import require
 from benchbench.conformance.checks.states import at_rest
+from benchbench.ground.arrays import Array, Flags, Index
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.program import assemble
 from benchbench.ocp.handover import Handover

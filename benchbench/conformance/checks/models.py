@@ -21,10 +21,10 @@ import casadi as ca
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.agility import check_way_from_rest
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest, energies, limited, random_states, symbols
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import LagrangianModel, Model, Plant, output, output_bounds, output_box, space
 
 

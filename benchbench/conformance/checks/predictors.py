@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.require import require
 from benchbench.flight.predictor import Predictor, Seen
+from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion, same_kind, sample
 
 START, WAY = np.array([0.4, -0.3, 0.35]), np.array([0.12, 0.05, 0.0])

@@ -9,7 +9,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.mpcc import problem
 from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, Slot, Variable
 

@@ -19,9 +19,9 @@ from typing import get_args
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import Known, block, unknowns
 from benchbench.conformance.checks.require import close, require
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Pair, PairKind, evaluate, gather
 from benchbench.nlp.homotopy import homotopy
 from benchbench.nlp.ledger import Ledger

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.require import require
 from benchbench.flight.reference import matrices
 from benchbench.flight.residual import NODE, Correction, Residual, Sample
 from benchbench.flight.world import Truth
+from benchbench.ground.arrays import Array
 
 RATE = 50
 """Samples a second."""

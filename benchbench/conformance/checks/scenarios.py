@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from benchbench.certificate.bound import lower_bound
 from benchbench.certificate.certify import certify
 from benchbench.conformance.checks.require import close, require
-from benchbench.errors import IncompatibleCase
 from benchbench.formulation import forms
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.planning.validate import validate

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import block, unknowns
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc
 
 

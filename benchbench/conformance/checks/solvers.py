@@ -23,7 +23,6 @@ from dataclasses import replace
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import Known
 from benchbench.conformance.checks.relaxations import check_solution
 from benchbench.conformance.checks.require import close, require
@@ -35,6 +34,7 @@ from benchbench.conformance.checks.staged_programs import (
     tracking,
     undefined,
 )
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Mpcc, PairKind
 from benchbench.nlp.program import assemble
 from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed

@@ -11,9 +11,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.programs import block
 from benchbench.conformance.checks.smooth_programs import SmoothProgram
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
 
 N, H = 12, 1 / 12

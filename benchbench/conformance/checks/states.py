@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 from scipy.optimize import least_squares
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.require import require
+from benchbench.ground.arrays import Array
 from benchbench.ocp.mechanics import acceleration, mass_matrix
 from benchbench.ocp.model import Coordinates, LagrangianModel, Model, space
 

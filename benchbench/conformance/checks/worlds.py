@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.conformance.checks.flying import RADIUS, REACH, RIG, hanging, same, staying, vehicle
 from benchbench.conformance.checks.require import require
 from benchbench.flight.mismatch import Drawn
 from benchbench.flight.reference import Reference
 from benchbench.flight.world import STEP, Actuators, Truth, World
+from benchbench.ground.arrays import Array
 
 STATES = 12
 CLOSE = 0.03

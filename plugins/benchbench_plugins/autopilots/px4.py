@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import final
 
-from benchbench.arrays import Array
 from benchbench.flight.autopilot import Autopilot
 from benchbench.flight.controller import Known
 from benchbench.flight.sensed import Command, Triple
+from benchbench.ground.arrays import Array
 from benchbench_plugins.autopilots.rate_loop import Gains, RateLoop
 
 

@@ -12,12 +12,12 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.controller import Known
 from benchbench.flight.inertia import rigid
 from benchbench.flight.sensed import Command, Triple
 from benchbench.flight.statics import hover, mixer
 from benchbench.flight.world import STEP
+from benchbench.ground.arrays import Array
 
 SMOOTH = 1 - math.exp(-2 * math.pi * 30.0 * STEP)
 """Share of a new derivative that is believed: a low-pass of 30 Hz, PX4's default for it."""

@@ -14,8 +14,8 @@ import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.ready import ReadyMade, whole
 from benchbench.ocp.reading import content

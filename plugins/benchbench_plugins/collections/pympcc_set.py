@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.mpcc.problem import Mpcc
 from benchbench.mpcc.ready import ReadyMade, whole
 

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.contact import Condition, Contact, Kept, Target
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node

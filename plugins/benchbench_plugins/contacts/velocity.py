@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.contact import Condition, Contact, Target, tool_velocity
 from benchbench.ocp.model import Model, Plant
 from benchbench.ocp.node import Node

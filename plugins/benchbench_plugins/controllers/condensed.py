@@ -7,7 +7,7 @@ from typing import Any, final
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench_plugins.controllers.prediction import INPUTS, STATES, Prediction
 
 ERRORS = 9

@@ -7,7 +7,7 @@ from typing import Any, final
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench_plugins.controllers.condensed import ERRORS, Weights
 from benchbench_plugins.controllers.prediction import INPUTS, STATES, Prediction, stage
 

@@ -11,11 +11,11 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.controller import Known
 from benchbench.flight.payload import Weighing
 from benchbench.flight.residual import Correction, Sample
 from benchbench.flight.sensed import Command, Sensed
+from benchbench.ground.arrays import Array
 from benchbench_plugins.controllers.tables import Tables
 
 LONGEST = 0.03

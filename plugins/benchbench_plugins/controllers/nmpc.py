@@ -7,12 +7,12 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.controller import Controller, Known
 from benchbench.flight.extra import need
 from benchbench.flight.payload import Weighing
 from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
+from benchbench.ground.arrays import Array
 from benchbench_plugins.controllers.condensed import Condensed, Weights
 from benchbench_plugins.controllers.prediction import Prediction
 from benchbench_plugins.controllers.receding import Horizon, receding

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import final
 
-from benchbench.arrays import Array
 from benchbench.flight.controller import Controller, Known
 from benchbench.flight.payload import Weighing
 from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
+from benchbench.ground.arrays import Array
 from benchbench_plugins.controllers.condensed import Weights
 from benchbench_plugins.controllers.converged import Converged
 from benchbench_plugins.controllers.prediction import Prediction

@@ -11,7 +11,7 @@ from typing import final
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 STATES, INPUTS = 10, 4
 

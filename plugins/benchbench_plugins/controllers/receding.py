@@ -8,11 +8,11 @@ from typing import Protocol, final
 
 import numpy as np
 
-from benchbench.arrays import Array, Index
 from benchbench.flight.controller import Known
 from benchbench.flight.payload import Weighing
 from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
+from benchbench.ground.arrays import Array, Index
 from benchbench_plugins.controllers.estimate import Estimate
 from benchbench_plugins.controllers.prediction import Prediction
 from benchbench_plugins.controllers.tables import GRID, Tables, tables

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array, Index
 from benchbench.flight.reference import Reference, matrices, tip
 from benchbench.flight.statics import mixer
+from benchbench.ground.arrays import Array, Index
 from benchbench.ocp.airframe import Airframe
 from benchbench_plugins.controllers.prediction import STATES, stage
 

@@ -6,10 +6,10 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.controller import PERIOD, Known
 from benchbench.flight.reference import matrices
 from benchbench.flight.sensed import Command, Triple
+from benchbench.ground.arrays import Array
 from benchbench_plugins.controllers.tables import Tables
 
 

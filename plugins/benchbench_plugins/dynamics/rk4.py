@@ -7,7 +7,7 @@ from typing import Annotated, Literal, final
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.problem import Mpcc
 from benchbench.ocp.model import ExplicitModel, Model
 from benchbench.ocp.scenario import Scenario

@@ -9,8 +9,8 @@ from typing import final
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.arrays import Array
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import AXES, travels

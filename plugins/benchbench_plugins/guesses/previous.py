@@ -7,7 +7,7 @@ from typing import final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case, Guess

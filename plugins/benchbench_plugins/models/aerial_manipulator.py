@@ -13,8 +13,8 @@ import casadi as ca
 import numpy as np
 from pydantic import ValidationError
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput, invalid
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput, invalid
 from benchbench.ocp.airframe import Airframe, FlownModel
 from benchbench.ocp.model import (
     AgileModel,

@@ -20,7 +20,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench_plugins.models.aerial_manipulator_parameters import Parameters
 
 STEP, UNTIL = 1e-3, 1.5

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal, final
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench_plugins.models.attitude_plant import Angles, AttitudePlant, Quaternions
 
 if TYPE_CHECKING:

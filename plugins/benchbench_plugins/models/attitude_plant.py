@@ -10,7 +10,7 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 
 
 class AttitudePlant(ABC):

@@ -8,7 +8,7 @@ from typing import final
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array, Flags
+from benchbench.ground.arrays import Array, Flags
 from benchbench.ocp.space import Space
 from benchbench_plugins.models.attitude import Attitude
 

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Coordinates, LagrangianModel, Plant, box
 from benchbench.ocp.scenario import NonNegative, Positive, Range
 

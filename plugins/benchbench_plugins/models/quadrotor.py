@@ -13,8 +13,8 @@ import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.model import (
     Bounds,
     Coordinates,

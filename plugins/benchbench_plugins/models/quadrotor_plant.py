@@ -6,7 +6,7 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.model import Plant
 from benchbench_plugins.models.attitude_plant import AttitudePlant, Quaternions
 

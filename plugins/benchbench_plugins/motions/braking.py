@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.scenario import Finite, Positive
 

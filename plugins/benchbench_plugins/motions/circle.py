@@ -8,8 +8,8 @@ import casadi as ca
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.scenario import Finite, Positive
 

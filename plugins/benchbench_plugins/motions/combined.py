@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import InstanceOf
 from pydantic.dataclasses import dataclass
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion, sample
 
 

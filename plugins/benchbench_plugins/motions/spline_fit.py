@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 
 FEWEST = 5
 """Points from which SciPy smooths."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.sizes import POINTS
 
 FIELD = "scenario.target.csv"

@@ -14,7 +14,7 @@ import yaml  # type: ignore[import-untyped]
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.ocp.race import Race
 from benchbench.planning.peer import Call, Peer, Racer, balls
 

@@ -15,7 +15,7 @@ from typing import Any, ClassVar, final
 import yaml  # type: ignore[import-untyped]
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.ocp.race import Race
 from benchbench.planning.peer import Call, Peer, Racer, balls
 

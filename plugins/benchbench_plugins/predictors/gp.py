@@ -8,8 +8,8 @@ from typing import final
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.predictor import Predictor, Seen
+from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion
 from benchbench_plugins.predictors.windows import latest
 

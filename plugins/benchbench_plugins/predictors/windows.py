@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.predictor import Seen
+from benchbench.ground.arrays import Array
 
 FEWEST = 3
 """Observations that are used at least, however old."""

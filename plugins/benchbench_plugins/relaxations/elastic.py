@@ -9,7 +9,7 @@ import casadi as ca
 from pydantic import ConfigDict, Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.problem import PairKind
 from benchbench.nlp.relaxation import Gap, Relaxation, Relaxed, Schedule, Shared
 

@@ -7,8 +7,8 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from benchbench.errors import BadInput
 from benchbench.flight.residual import Learned, Residual, Sample
+from benchbench.ground.errors import BadInput
 from benchbench_plugins.residuals.filtered import Filtered
 
 

@@ -6,8 +6,8 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.residual import Correction, Sample
+from benchbench.ground.arrays import Array
 
 
 @final

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput
 from benchbench.flight.reference import matrices
 from benchbench.flight.residual import Sample
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput
 from benchbench_plugins.residuals.gp_mean import AXES, GpMean
 
 SMOOTH = 5

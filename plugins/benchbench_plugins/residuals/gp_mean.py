@@ -7,9 +7,9 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.reference import matrices
 from benchbench.flight.residual import Correction, Sample
+from benchbench.ground.arrays import Array
 from benchbench_plugins.residuals.filtered import Filtered
 
 AXES = 3

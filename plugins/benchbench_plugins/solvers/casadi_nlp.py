@@ -13,8 +13,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import BadInput, Unavailable
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.program import Program, assemble
 from benchbench.nlp.solver import Claim, Outcome, Parametric, Point, Prepared, Setup

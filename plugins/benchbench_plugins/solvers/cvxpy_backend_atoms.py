@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.problem import Block, Mpcc, gather
 from benchbench_plugins.solvers.cvxpy_backend_qp import cvxpy
 from benchbench_plugins.solvers.walk import ALGEBRA, Inexpressible, Operations, is_number, record

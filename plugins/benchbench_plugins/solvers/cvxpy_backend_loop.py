@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.nlp.solver import Claim, Outcome, Point, Progress
 from benchbench_plugins.solvers.cvxpy_backend_model import LocalModel, LocalProgram
 from benchbench_plugins.solvers.cvxpy_backend_qp import Step, Subproblem

@@ -9,7 +9,7 @@ import casadi as ca
 import numpy as np
 from scipy import sparse
 
-from benchbench.arrays import Array, Index
+from benchbench.ground.arrays import Array, Index
 from benchbench.mpcc.derivatives import Compile, Derivatives, derivatives
 from benchbench.mpcc.problem import Block, Mpcc, gather
 from benchbench.nlp.program import Program, assemble

@@ -16,7 +16,7 @@ from typing import Any, Literal, final
 import numpy as np
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import IncompatibleCase, Unavailable
+from benchbench.ground.errors import IncompatibleCase, Unavailable
 from benchbench.mpcc.problem import Block, Mpcc, evaluate
 from benchbench.nlp.solver import Claim, Outcome, Point, Prepared, Setup, Solver
 from benchbench_plugins.solvers.cvxpy_backend_atoms import Atoms

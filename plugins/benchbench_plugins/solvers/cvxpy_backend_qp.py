@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from benchbench.arrays import Array, Index
-from benchbench.errors import Unavailable
+from benchbench.ground.arrays import Array, Index
+from benchbench.ground.errors import Unavailable
 from benchbench_plugins.solvers.cvxpy_backend_model import LocalModel, LocalProgram
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import IncompatibleCase, Unavailable
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import IncompatibleCase, Unavailable
 from benchbench.mpcc.problem import Block, Mpcc, Pair, gather
 from benchbench_plugins.solvers.walk import ALGEBRA, Inexpressible, Operations, is_number, record
 

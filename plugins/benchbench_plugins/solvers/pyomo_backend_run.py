@@ -16,8 +16,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from benchbench.arrays import Array
-from benchbench.errors import Unavailable
+from benchbench.ground.arrays import Array
+from benchbench.ground.errors import Unavailable
 from benchbench.nlp.solver import Claim, Outcome, Point, Prepared
 from benchbench_plugins.solvers.casadi_nlp import COMMON, claim, function_times, quiet
 from benchbench_plugins.solvers.pyomo_backend_model import PyomoModel

@@ -7,7 +7,7 @@ from typing import Any, final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import IncompatibleCase
+from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.solver import TOLERANCE, Claim, Prepared, Setup, Solver
 from benchbench_plugins.solvers import casadi_nlp

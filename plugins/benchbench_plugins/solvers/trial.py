@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from benchbench.errors import Unavailable
+from benchbench.ground.errors import Unavailable
 from benchbench.nlp.availability import ask
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.homotopy import Path, Solved, homotopy
 from benchbench.nlp.ledger import Ledger

@@ -7,7 +7,7 @@ from typing import Literal, final
 
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning.case import Case, Strategy
 from benchbench.planning.given import Given

@@ -10,7 +10,7 @@ from typing import final
 from pydantic.dataclasses import dataclass
 
 from benchbench.certificate.race_bound import order_bound
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario

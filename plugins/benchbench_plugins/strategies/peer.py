@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
 from benchbench.certificate.audit import claimed
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.mpcc.spending import cpu_s
 from benchbench.nlp.ledger import Ledger, Spent
 from benchbench.planning.case import Case, Strategy

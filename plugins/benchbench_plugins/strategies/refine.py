@@ -8,7 +8,7 @@ from typing import Annotated, final
 from pydantic import ConfigDict, Field, InstanceOf
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import BadInput, IncompatibleCase
+from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.sizes import INTERVALS
 from benchbench.planning.case import Case, Strategy

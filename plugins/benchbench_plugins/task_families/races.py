@@ -9,7 +9,7 @@ from typing import Any, final
 from pydantic import ConfigDict
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.ocp.task_family import AboveZero, Between, Chance, Counts, Draws, TaskFamily, rounded
 
 TRIES = 1000

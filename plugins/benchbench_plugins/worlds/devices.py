@@ -7,10 +7,10 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.mismatch import Drawn
 from benchbench.flight.rig import Rig
 from benchbench.flight.world import STEP
+from benchbench.ground.arrays import Array
 
 
 @final

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.rig import Rig
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 
 

@@ -9,7 +9,6 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
-from benchbench.arrays import Array
 from benchbench.flight.extra import need
 from benchbench.flight.filmed import Filmed, Scene
 from benchbench.flight.inertia import rigid
@@ -17,6 +16,7 @@ from benchbench.flight.mismatch import Drawn
 from benchbench.flight.reference import Reference
 from benchbench.flight.rig import Rig
 from benchbench.flight.world import STEP, Actuators, Truth, World
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 from benchbench_plugins.worlds.devices import Devices
 from benchbench_plugins.worlds.mjcf import TIP, Ball, mjcf

@@ -7,12 +7,12 @@ from typing import final
 
 import numpy as np
 
-from benchbench.arrays import Array
 from benchbench.flight.mismatch import Drawn
 from benchbench.flight.reference import Reference, tip
 from benchbench.flight.rig import Rig
 from benchbench.flight.statics import mixer
 from benchbench.flight.world import STEP, Actuators, Truth, World
+from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 from benchbench_plugins.worlds.devices import Devices
 from benchbench_plugins.worlds.kane import stepper

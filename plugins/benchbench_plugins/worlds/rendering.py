@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from benchbench.errors import Unavailable
 from benchbench.flight.filmed import HEIGHT, WIDTH, Scene
 from benchbench.flight.world import STEP
+from benchbench.ground.errors import Unavailable
 from benchbench_plugins.worlds.mjcf import Ball, mjcf
 
 REMEDY = "MUJOCO_GL=egl (libegl1, libgl1-mesa-dri) or MUJOCO_GL=osmesa (libosmesa6), or a display"

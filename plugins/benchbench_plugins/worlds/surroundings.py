@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import final
 
-from benchbench.arrays import Array
 from benchbench.flight.mismatch import Drawn
+from benchbench.ground.arrays import Array
 
 ROTOR = 0.12
 """m, radius of a rotor (chosen: 9.5 inch propellers of a frame of 0.33 m)."""

@@ -106,7 +106,7 @@ class ChoiceSweeper(BasicSweeper):
     @staticmethod
     def split_arguments(overrides: list[Override], max_batch_size: int | None) -> list[list[list[str]]]:
         """List the combinations, no more than anybody waits for. Raises BadInput."""
-        from benchbench.errors import BadInput
+        from benchbench.ground.errors import BadInput
         from benchbench.run.sweep_size import check_size
 
         check_size(overrides)
@@ -154,7 +154,7 @@ class OptunaSweeper(Sweeper):
     """Tunes swept fields with Optuna; swept fields named in `over` are the problems that every trial plans."""
 
     def __init__(self, over: Sequence[str], storage: str | None, **task: Any) -> None:
-        """Take what hydra.sweeper says, see `benchbench.tuning.task`."""
+        """Take what hydra.sweeper says, see `benchbench.sweep.tuning.task`."""
         self._over, self._storage, self._asked = tuple(over), storage, task
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
@@ -169,12 +169,12 @@ class OptunaSweeper(Sweeper):
         try:
             import optuna  # noqa: F401
         except ImportError:
-            from benchbench.errors import BadInput
+            from benchbench.ground.errors import BadInput
 
             raise BadInput(
                 "hydra/sweeper", "optuna is not installed", "pip install 'benchbench[tune]'"
             ) from None
-        from benchbench.tuning import run
+        from benchbench.sweep.tuning import run
 
         folder = Path(str(self._config.output), "tune", str(self._asked["study_name"])).absolute()
         storage = self._storage or f"sqlite:///{folder / 'study.db'}"

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from benchbench.arrays import Array
+from benchbench.ground.arrays import Array
 from benchbench.report.html.charts.chart import CLEAR, FONT, GRID
 from benchbench.report.style import ARM, FAINT, FRAME, INK, LIMIT, TARGET, TOOL
 from benchbench.report.views import Scene, skeleton

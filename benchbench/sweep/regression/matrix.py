@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 from yaml import YAMLError  # type: ignore[import-untyped]
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 
 MATRIX = "matrix.yaml"
 _STRICT = ConfigDict(extra="forbid")

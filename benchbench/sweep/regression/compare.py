@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from scipy.stats import mannwhitneyu
 
-from benchbench.regression.matrix import Gates
+from benchbench.sweep.regression.matrix import Gates
 
 Verdict = Literal["same", "better", "WORSE"]
 SLACK = {"iterations": 3, "evaluations": 15}

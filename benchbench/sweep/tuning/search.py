@@ -10,10 +10,10 @@ import optuna
 from optuna.trial import FrozenTrial, Trial, TrialState
 
 from benchbench.storage.status import Status
-from benchbench.tuning.begun import at_work
-from benchbench.tuning.outcome import good
-from benchbench.tuning.space import SearchSpace
-from benchbench.tuning.task import StudySettings
+from benchbench.sweep.tuning.begun import at_work
+from benchbench.sweep.tuning.outcome import good
+from benchbench.sweep.tuning.space import SearchSpace
+from benchbench.sweep.tuning.task import StudySettings
 
 WORST = 1e9
 """Objective of a plan that is not certified; its constraint keeps the trial from being called good."""
@@ -72,13 +72,13 @@ def _tell(
 
 
 def _reporting(task: StudySettings, trial: int, done: Sequence[Mapping[str, Any] | None]) -> str:
-    """The override that makes a run report its solves to the trial, see benchbench.tuning.steps."""
+    """The override that makes a run report its solves to the trial, see benchbench.sweep.tuning.steps."""
     name = task.objectives[0]
     before = float(sum(_cost(record, name) for record in done))
     texts = {"storage": task.storage, "study_name": task.study_name, "objective": name}
     told = [f"{key}:{_quoted(text)}" for key, text in texts.items()]
     told += [f"trial:{trial}", f"problem:{len(done)}", f"before:{before!r}"]
-    return f"on_step={{_target_:benchbench.tuning.steps.TrialReport,{','.join(told)}}}"
+    return f"on_step={{_target_:benchbench.sweep.tuning.steps.TrialReport,{','.join(told)}}}"
 
 
 def _quoted(text: str) -> str:

@@ -12,11 +12,11 @@ from rich.table import Table
 
 from benchbench.run.working import Working
 from benchbench.storage.files import RECORD
-from benchbench.tuning import outcome
-from benchbench.tuning.begun import bury, check_same
-from benchbench.tuning.search import search
-from benchbench.tuning.space import read
-from benchbench.tuning.task import StudySettings
+from benchbench.sweep.tuning import outcome
+from benchbench.sweep.tuning.begun import bury, check_same
+from benchbench.sweep.tuning.search import search
+from benchbench.sweep.tuning.space import read
+from benchbench.sweep.tuning.task import StudySettings
 
 Launch = Callable[[Path, Sequence[Sequence[str]], int], None]
 """Carries out runs given by overrides, the n-th in the folder `first + n` of the given one."""

@@ -6,12 +6,11 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
-from benchbench import pipeline
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.reference import Reference
 from benchbench.planning.case import Case
-from benchbench.run import config
+from benchbench.run import config, pipeline
 from benchbench.run.flying import campaign
 
 ANSWER = ("status", "certified", "travel_time_s", "objective", "iterations", "evaluations")

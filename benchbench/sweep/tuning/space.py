@@ -14,7 +14,7 @@ from optuna.distributions import (
     IntDistribution,
 )
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.run.sweep_size import check_size
 
 GRAMMAR = (

@@ -8,10 +8,10 @@ import optuna
 from optuna.pruners import BasePruner
 from optuna.trial import FrozenTrial
 
-from benchbench.errors import Pruned
+from benchbench.ground.errors import Pruned
 from benchbench.nlp.ledger import Milestone
-from benchbench.tuning.outcome import good
-from benchbench.tuning.storage import opened
+from benchbench.sweep.tuning.outcome import good
+from benchbench.sweep.tuning.storage import opened
 
 REPORTED = ("travel_time_s", "solve_cpu_s", "iterations")
 """Objectives that are known between two solves."""

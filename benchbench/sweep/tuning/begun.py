@@ -12,10 +12,10 @@ import optuna
 from optuna.distributions import BaseDistribution, CategoricalDistribution, check_distribution_compatibility
 from optuna.trial import Trial, TrialState
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.run.settings import NOT_DECISIVE
 from benchbench.storage.claims import Claims
-from benchbench.tuning.space import SearchSpace
+from benchbench.sweep.tuning.space import SearchSpace
 
 HOST, PROBLEMS, FIXED = "host", "problems", "fixed"
 """Attributes of trials and studies."""

@@ -10,10 +10,10 @@ from typing import Annotated, Any
 from pydantic import Discriminator, Field, FiniteFloat, Tag, TypeAdapter, ValidationError
 from pydantic.dataclasses import dataclass
 
-from benchbench.errors import BadInput
-from benchbench.regression.measure import Measured
+from benchbench.ground.errors import BadInput
 from benchbench.storage import provenance
 from benchbench.storage.files import write_bytes
+from benchbench.sweep.regression.measure import Measured
 
 BASELINE = "baseline.json"
 TIMED, FLOWN = "timed", "flown"

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from benchbench.errors import BadInput
+from benchbench.ground.errors import BadInput
 from benchbench.storage.schema import COLUMNS
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ class StudySettings:
         """Create the study or go on with it. Raises BadInput for a storage that does not answer or does not fit."""
         import optuna
 
-        from benchbench.tuning.storage import opened
+        from benchbench.sweep.tuning.storage import opened
 
         optuna.logging.set_verbosity(optuna.logging.WARNING)
         try:
@@ -119,7 +119,7 @@ class StudySettings:
         raise AssertionError("unreachable")
 
     def _pruner(self) -> optuna.pruners.BasePruner:
-        """Judges between problems; between solves the run itself asks, see benchbench.tuning.steps."""
+        """Judges between problems; between solves the run itself asks, see benchbench.sweep.tuning.steps."""
         import optuna
 
         if self.prune == "problems":
@@ -133,7 +133,7 @@ def _check_prune(kind: str, objectives: Sequence[str]) -> None:
     if kind and len(objectives) > 1:
         raise BadInput("hydra.sweeper.prune", "there are several objectives", "one objective, or prune=false")
     if kind == "steps":
-        from benchbench.tuning.steps import REPORTED
+        from benchbench.sweep.tuning.steps import REPORTED
 
         if objectives[0] not in REPORTED:
             problem = f"{objectives[0]} is not known between two solves"

@@ -1,0 +1,1 @@
+"""The ground that all rooms stand on: arrays, errors, the registry of plugins."""
