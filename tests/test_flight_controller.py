@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -9,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from benchbench.conformance.checks.flying import Obedient, known, vehicle, wandering
 from benchbench.flight.controller import Controller
+from benchbench.flight.reference import Reference, tip
 from benchbench.flight.residual import Recorder
 from benchbench.flight.training import training_reference
 from benchbench.ground.arrays import Array
@@ -16,15 +19,23 @@ from benchbench_plugins.controllers.nmpc import Nmpc
 from benchbench_plugins.controllers.nmpc_ipopt import NmpcIpopt
 from benchbench_plugins.controllers.prediction import Prediction
 from benchbench_plugins.controllers.receding import Receding
-from benchbench_plugins.controllers.tables import tables
+from benchbench_plugins.controllers.tables import GRID, tables
 
 pytest.importorskip("daqp", reason="daqp is not installed")
 
 
-def flown(controller: Controller, commands: int) -> Array:
+def near(seconds: float) -> Reference:
+    """A wandering with a ball at the end effector from 0 s on, the window of which ends after some seconds."""
+    way, frame = wandering(), vehicle().airframe
+    place, speed = tip(way.state, frame.arm_offset, frame.arm_length)
+    return replace(way, target=np.hstack([place, speed]), window=(0.0, seconds))
+
+
+def flown(controller: Controller, commands: int, reference: Reference | None = None) -> Array:
     """Positions (n, 3) of a body that obeys, from 6 cm beside."""
-    body = Obedient(wandering())
-    step = controller.prepare(known(wandering()), Recorder(), lambda sensed, command, along: 0.0)
+    reference = reference or wandering()
+    body = Obedient(reference)
+    step = controller.prepare(known(reference), Recorder(), lambda sensed, command, along: 0.0)
     body.state[:3] += [0.05, -0.03, 0.02]
     found = []
     for _ in range(commands):
@@ -37,6 +48,27 @@ def test_one_newton_step_a_command_is_as_good_as_convergence() -> None:
     """Within 1 mm on a way back of 6 cm; a linearisation with a wrong sign is centimetres off."""
     one, other = (flown(controller, 40) for controller in (Nmpc(soft_speed=0.0), NmpcIpopt()))
     assert np.abs(one - other).max() < 1e-3
+
+
+def test_so_it_is_where_the_end_effector_counts() -> None:
+    """Both programs weigh its velocity alike; what it costs the way back is seen, or nothing was compared."""
+    one, other = (flown(controller, 40, near(1.5)) for controller in (Nmpc(soft_speed=0.0), NmpcIpopt()))
+    assert np.abs(one - other).max() < 1e-3
+    assert np.abs(one - flown(Nmpc(soft_speed=0.0), 40)).max() > 5e-3
+
+
+def test_levers_turn_body_rates_into_the_end_effectors_velocity() -> None:
+    """Against differences of the end effector's own velocity; where no ball is near they are zero."""
+    reference, frame = near(1.0), vehicle().airframe
+    table, each = tables(reference, frame, 0.05), round(GRID / reference.step)
+    for row in (0, 60, 110):
+        state = reference.state[table.row(0.0) * each + row * each]
+        turned = np.tile(state, (4, 1))
+        turned[1:, 11:14] += np.eye(3)
+        speed = tip(turned, frame.arm_offset, frame.arm_length)[1]
+        wanted = (speed[1:] - speed[0]).T if row <= 100 else np.zeros((3, 3))
+        np.testing.assert_allclose(table.lever[table.row(0.0) + row], wanted, atol=1e-12)
+    assert not tables(wandering(), frame, 0.05).lever.any()
 
 
 def test_the_model_is_the_papers() -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from benchbench.flight.controller import PERIOD
 from benchbench.flight.limits import FlightLimits
 from benchbench.flight.loop import Log
-from benchbench.flight.reference import Reference, matrices, tip
+from benchbench.flight.reference import Reference, entry, matrices, tip
 from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 
@@ -64,8 +64,7 @@ def judge(log: Log, reference: Reference, airframe: Airframe, limits: FlightLimi
     wanted = reference.state[1 : n + 1]
     place, way = tip(log.state, *arm)
     planned, _ = tip(reference.state, *arm)
-    centre = reference.target[:, :3] - [0, 0, reference.ball_radius]
-    entry = _first(_within(planned, centre, reference) & (reference.time >= 0), reference.time)
+    begins = entry(reference, *arm)
     touch = _row(_within(place, log.ball[:, :3], reference) & (log.time >= 0))
     caught = _row(log.attached)
     attached_s = np.nan if caught is None else float(log.time[caught])
@@ -79,7 +78,7 @@ def judge(log: Log, reference: Reference, airframe: Airframe, limits: FlightLimi
         "controller": log.broken not in ("", "lost"),
         "controller late": bool(np.mean(log.controller_cpu > PERIOD) > limits.controller_late),
         "no attachment": whole and caught is None,
-        "early": attached_s < entry - limits.early,
+        "early": attached_s < begins - limits.early,
         "late": attached_s > reference.window[1] + limits.late,
         "too fast": speed > limits.touch_speed,
         "askew": heading > limits.heading,
@@ -103,11 +102,6 @@ def _within(place: Array, centre: Array, reference: Reference) -> Flags:
 
 def _row(holds: Flags) -> int | None:
     return int(np.argmax(holds)) if holds.any() else None
-
-
-def _first(holds: Flags, time: Array) -> float:
-    row = _row(holds)
-    return np.inf if row is None else float(time[row])
 
 
 def _heading(state: Array, way: Array, slow: float) -> float:

@@ -55,6 +55,15 @@ def tip(state: Array, arm_offset: float, arm_length: float) -> tuple[Array, Arra
     return position, velocity
 
 
+def entry(reference: Reference, arm_offset: float, arm_length: float) -> float:
+    """When the planned end effector first comes within the magnet's reach, s of the plan's time; inf where it never does."""
+    place, _ = tip(reference.state, arm_offset, arm_length)
+    centre = reference.target[:, :3] - [0, 0, reference.ball_radius]
+    clear = np.linalg.norm(place - centre, axis=1) - reference.ball_radius
+    near = (clear <= reference.reach) & (reference.time >= 0)
+    return float(reference.time[np.argmax(near)]) if near.any() else np.inf
+
+
 def matrices(quaternion: Array) -> Array:
     """Rotations (n, 3, 3), body to world, of quaternions (n, 4) w, x, y, z."""
     w, x, y, z = quaternion.T

@@ -20,18 +20,25 @@ SOLVED = (1, 2)
 
 @dataclass(frozen=True)
 class Weights:
-    """Square roots of weights are taken once: position 1/m^2, attitude 1/rad^2, velocity, rates and thrust over mass."""
+    """Square roots of weights are taken once: position 1/m^2, attitude 1/rad^2, velocity, rates and thrust over mass.
+
+    tip  of the end effector's velocity, in the stages in which the ball is near
+    """
 
     position: float
     attitude: float
     velocity: float
     rates: float
     thrust: float
+    tip: float
 
 
 @final
 class Condensed:
-    """min sum |S (x_k - x_ref)|^2 + |u - u_ref|^2_R over du, x+ = A x + B u along the predicted states."""
+    """min sum |S (x_k - x_ref)|^2 + |u - u_ref|^2_R + w |v_k - v_ref + L_k (u_k - u_ref)|^2 over du, x+ = A x + B u.
+
+    The last term, where L_k is not zero, is the end effector's velocity: rates turn it about the vehicle.
+    """
 
     def __init__(
         self, prediction: Prediction, weights: Weights, low: Array, high: Array, speed: Array | None
@@ -42,7 +49,7 @@ class Condensed:
         self.solve_qp, self.prediction, self.stages = daqp.solve, prediction, len(prediction.inputs)
         w, n = weights, self.stages
         self.scale = np.sqrt([w.position] * 3 + [w.attitude] * 3 + [w.velocity] * 3)
-        self.price = np.tile([w.rates] * 3 + [w.thrust], n)
+        self.price, self.gentle = np.tile([w.rates] * 3 + [w.thrust], n), np.sqrt(w.tip)
         self.low, self.high, self.speed = np.tile(low, n), np.tile(high, n), speed
         self.effect = np.zeros((n, STATES, INPUTS * n))
         self.errors = np.zeros((n, ERRORS, INPUTS * n))
@@ -51,8 +58,11 @@ class Condensed:
             [np.zeros(size, np.int32), np.full(0 if speed is None else 3 * n, SOFT, np.int32)]
         )
 
-    def solve(self, state: Array, inputs: Array, error: Array) -> Array:
-        """Return inputs (stages, 4) for references of the stages' ends: state (stages, 10), inputs (stages, 4), error (stages, 3, 4)."""
+    def solve(self, state: Array, inputs: Array, error: Array, lever: Array) -> Array:
+        """Return inputs (stages, 4) for references of the stages' ends: state (stages, 10), inputs (stages, 4), error (stages, 3, 4).
+
+        lever: (stages, 3, 3) from body rates to the end effector's velocity, zeros where that does not matter.
+        """
         p, n = self.prediction, self.stages
         self._effects()
         wrong = np.empty((n, ERRORS))
@@ -61,12 +71,22 @@ class Condensed:
         wrong[:, 6:] = p.after[:, 7:] - state[:, 7:]
         self.errors[:, :3], self.errors[:, 6:] = self.effect[:, :3], self.effect[:, 7:]
         np.matmul(error, self.effect[:, 3:7], out=self.errors[:, 3:6])
-        scaled = (self.errors * self.scale[:, None]).reshape(n * ERRORS, -1)
+        rows, off = self._tip(wrong[:, 6:], p.inputs[:, :3] - inputs[:, :3], lever)
+        scaled = np.vstack([(self.errors * self.scale[:, None]).reshape(n * ERRORS, -1), rows])
         hessian = scaled.T @ scaled
         hessian[np.diag_indices_from(hessian)] += self.price
         asked = p.inputs.ravel()
-        gradient = scaled.T @ (wrong * self.scale).ravel() + self.price * (asked - inputs.ravel())
+        gradient = scaled.T @ np.append(wrong * self.scale, off) + self.price * (asked - inputs.ravel())
         return self._solved(hessian, gradient, asked).reshape(n, INPUTS)
+
+    def _tip(self, velocity: Array, rates: Array, lever: Array) -> tuple[Array, Array]:
+        """Rows (3 m, 4 n) of the m stages in which the end effector's velocity counts, and what it is off by (3 m,)."""
+        near = np.flatnonzero(lever.any(axis=(1, 2)))
+        rows = self.effect[near, 7:].copy()
+        for i, k in enumerate(near):
+            rows[i, :, INPUTS * k : INPUTS * k + 3] += lever[k]
+        off = velocity[near] + np.einsum("nij,nj->ni", lever[near], rates[near])
+        return self.gentle * rows.reshape(3 * len(near), self.price.size), self.gentle * off.ravel()
 
     def _solved(self, hessian: Array, gradient: Array, asked: Array) -> Array:
         rows, most, least = np.zeros((0, len(asked))), self.high - asked, self.low - asked

@@ -25,11 +25,8 @@ class Converged:
         self.low, self.high = np.tile(low, n), np.tile(high, n)
         x, u = ca.SX.sym("x", STATES, n), ca.SX.sym("u", INPUTS, n)
         first, offset = ca.SX.sym("first", STATES), ca.SX.sym("offset", STATES, n)
-        ref, wanted, error = (
-            ca.SX.sym("ref", STATES, n),
-            ca.SX.sym("wanted", INPUTS, n),
-            ca.SX.sym("error", 12, n),
-        )
+        ref, wanted = ca.SX.sym("ref", STATES, n), ca.SX.sym("wanted", INPUTS, n)
+        error, lever = ca.SX.sym("error", 12, n), ca.SX.sym("lever", 9, n)
         scale = ca.DM([w.position] * 3 + [w.attitude] * 3 + [w.velocity] * 3)
         model, cost, rows = stage(gravity, step), ca.SX(0), []
         for k in range(n):
@@ -37,11 +34,12 @@ class Converged:
             rows.append(x[:, k] - model(before, u[:, k], offset[:, k])[0])
             turn = ca.reshape(error[:, k], 4, 3).T @ x[3:7, k]
             wrong = ca.vertcat(x[:3, k] - ref[:3, k], turn, x[7:, k] - ref[7:, k])
-            cost += ca.dot(scale, wrong**2) + ca.dot(
-                ca.DM([w.rates] * 3 + [w.thrust]), (u[:, k] - wanted[:, k]) ** 2
-            )
+            change, arm = u[:, k] - wanted[:, k], ca.reshape(lever[:, k], 3, 3).T
+            cost += ca.dot(scale, wrong**2) + ca.dot(ca.DM([w.rates] * 3 + [w.thrust]), change**2)
+            counts = ca.if_else(ca.sumsqr(arm) > 0, w.tip, 0)
+            cost += counts * ca.sumsqr(wrong[6:] + arm @ change[:3])
         unknowns = ca.vertcat(ca.vec(x), ca.vec(u))
-        given = ca.vertcat(first, ca.vec(offset), ca.vec(ref), ca.vec(wanted), ca.vec(error))
+        given = ca.vertcat(first, ca.vec(offset), ca.vec(ref), ca.vec(wanted), ca.vec(error), ca.vec(lever))
         quiet: dict[str, Any] = {"print_level": 0, "sb": "yes", "tol": 1e-6, "mu_init": 1e-3}
         problem = {"x": unknowns, "f": cost, "g": ca.vertcat(*rows), "p": given}
         self.solver = ca.nlpsol("nmpc", "ipopt", problem, {"ipopt": quiet, "print_time": False})
@@ -49,10 +47,11 @@ class Converged:
         self.bounds = (np.append(-free, self.low), np.append(free, self.high))
         assert wrong.numel() == ERRORS
 
-    def solve(self, state: Array, inputs: Array, error: Array) -> Array:
+    def solve(self, state: Array, inputs: Array, error: Array, lever: Array) -> Array:
         """As `Condensed.solve`, from the same prediction. Raises ArithmeticError where IPOPT fails."""
         p = self.prediction
-        given = np.concatenate([p.first, p.offsets.ravel(), state.ravel(), inputs.ravel(), error.ravel()])
+        asked = (p.offsets, state, inputs, error, lever)
+        given = np.concatenate([p.first, *(part.ravel() for part in asked)])
         start = np.append(p.after.ravel(), p.inputs.ravel())
         found = self.solver(x0=start, p=given, lbx=self.bounds[0], ubx=self.bounds[1], lbg=0, ubg=0)
         if not self.solver.stats()["success"]:

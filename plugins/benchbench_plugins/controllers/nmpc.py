@@ -24,6 +24,7 @@ class Nmpc(Controller):
 
     stages, step           20 steps of 50 ms look ahead for a second
     position .. thrust     weights of the errors, in 1 over SI units squared
+    tip                    weight of the error of the end effector's velocity while the ball is near: the judge's 0.15 m/s cost 1
     latency                s from a command until it works, of motors and rate loop (a guess, whatever the world)
     lead                   s by which thrust and torques of the reference are told early
     rate_limit             rad/s, largest body rates that are asked for
@@ -33,12 +34,12 @@ class Nmpc(Controller):
     def __init__(
         self, stages: int = 20, step: float = 0.05, position: float = 400.0, attitude: float = 5.0,
         velocity: float = 10.0, rates: float = 1.0, thrust: float = 0.1, rate_limit: tuple[float, ...] = (6.0, 6.0, 3.0),
-        soft_speed: float = 0.1, latency: float = 0.03, lead: float = 0.012,
+        soft_speed: float = 0.1, latency: float = 0.03, lead: float = 0.012, tip: float = 45.0,
     ) -> None:  # fmt: skip
         """Keep the numbers. Raises Unavailable without daqp."""
         need("daqp", "controller=nmpc")
         self.horizon, self.soft_speed = Horizon(stages, step, latency, lead, tuple(rate_limit)), soft_speed
-        self.weights = Weights(position, attitude, velocity, rates, thrust)
+        self.weights = Weights(position, attitude, velocity, rates, thrust, tip)
 
     def prepare(
         self, known: Known, correction: Correction, weighing: Weighing

@@ -23,11 +23,11 @@ class NmpcIpopt(Controller):
     def __init__(
         self, stages: int = 20, step: float = 0.05, position: float = 400.0, attitude: float = 5.0,
         velocity: float = 10.0, rates: float = 1.0, thrust: float = 0.1, rate_limit: tuple[float, ...] = (6.0, 6.0, 3.0),
-        latency: float = 0.03, lead: float = 0.012,
+        latency: float = 0.03, lead: float = 0.012, tip: float = 45.0,
     ) -> None:  # fmt: skip
         """Keep the numbers; they mean what they do for `nmpc`."""
         self.horizon = Horizon(stages, step, latency, lead, tuple(rate_limit))
-        self.weights = Weights(position, attitude, velocity, rates, thrust)
+        self.weights = Weights(position, attitude, velocity, rates, thrust, tip)
 
     def prepare(
         self, known: Known, correction: Correction, weighing: Weighing

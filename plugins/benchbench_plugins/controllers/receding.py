@@ -27,7 +27,7 @@ class Program(Protocol):
     low: Array
     high: Array
 
-    def solve(self, state: Array, inputs: Array, error: Array) -> Array:
+    def solve(self, state: Array, inputs: Array, error: Array, lever: Array) -> Array:
         """Return inputs (stages, 4) for the references of the stages' ends, see `Condensed.solve`."""
 
 
@@ -93,7 +93,7 @@ class Receding:
         program.prediction.run(state, inputs, table.offset[rows[:-1]] + offset)
         if by_state is not None:
             program.prediction.by_state[:] += by_state
-        found = program.solve(table.state[rows[1:]], wanted, table.error[rows[1:]])
+        found = program.solve(table.state[rows[1:]], wanted, table.error[rows[1:]], table.lever[rows[1:]])
         self.change, self.asked, self.nodes = found - wanted, now, program.prediction.after.copy()
         command = self.telling.command(now, self.change[0], payload)
         self.estimate.told(command, self.change[0])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchbench.flight.reference import Reference, matrices, tip
+from benchbench.flight.reference import Reference, entry, matrices, tip
 from benchbench.flight.statics import mixer
 from benchbench.ground.arrays import Array, Index
 from benchbench.ocp.airframe import Airframe
@@ -14,6 +14,8 @@ from benchbench_plugins.controllers.prediction import STATES, stage
 
 GRID = 0.01
 """s, of the tables; commands and stages begin on it."""
+NEAR = 0.1
+"""s before the plan comes within the magnet's reach, from which on the end effector's velocity counts: a flight may be there sooner."""
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,7 @@ class Tables:
     offset   (n, 10): what the model misses in doing so, the arm's coupling acceleration above all; added to each step
     error    (n, 3, 4): attitude error 2 vec(q_r* (x) q) as a matrix on q
     arm      (n,) rad
+    lever    (n, 3, 3) from body rates to the end effector's velocity, world, while the ball is near; zeros elsewhere
     coupling (m, 3) m/s^2 every `Reference.step`: acceleration of the reference that the model's thrust does not give
     wrench   (m, 4) thrust N and body torques N m of the plan, every `Reference.step`
     tip      (m, 3) m/s^2 acceleration of the end effector, gravity taken off, every `Reference.step`
@@ -37,6 +40,7 @@ class Tables:
     offset: Array
     error: Array
     arm: Array
+    lever: Array
     coupling: Array
     wrench: Array
     tip: Array
@@ -69,8 +73,20 @@ def tables(reference: Reference, airframe: Airframe, step: float) -> Tables:
     apart = reference.acceleration - pulled - coupling
     return Tables(
         float(reference.time[0]), state[rows], inputs, state[later] - ends, _errors(q), reference.state[rows, 7],
-        coupling, wrench, pulled + np.array([0.0, 0.0, airframe.gravity]), apart, _means(apart, rows, later),
+        _levers(reference, airframe, rows), coupling, wrench, pulled + np.array([0.0, 0.0, airframe.gravity]), apart, _means(apart, rows, later),
     )  # fmt: skip
+
+
+def _levers(reference: Reference, airframe: Airframe, rows: Index) -> Array:
+    """-R [r]x with r from the vehicle's to the end effector's place in the body; zeros but from `NEAR` before the reach to the window's end."""
+    state = reference.state[rows]
+    arm, flat = state[:, 7], np.zeros(len(rows))
+    x = airframe.arm_length * np.cos(arm)
+    z = -airframe.arm_offset - airframe.arm_length * np.sin(arm)
+    across = np.moveaxis(np.array([[flat, z, flat], [-z, flat, x], [flat, -x, flat]]), -1, 0)
+    begin = entry(reference, airframe.arm_offset, airframe.arm_length) - NEAR
+    counts = (reference.time >= begin) & (reference.time <= reference.window[1])
+    return np.where(counts[rows, None, None], matrices(state[:, 3:7]) @ across, 0.0)
 
 
 def _means(values: Array, rows: Index, later: Index) -> Array:
