@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 from curved import check, curved
 
@@ -154,6 +155,22 @@ def test_many_processes_at_a_cold_cache(root: Path, compilers: Callable[[], int]
     assert made == {
         f"{n}{s}" for n in ("functions.casadi", "pattern.npz", "block.so") for s in ("", ".sha256")
     }
+
+
+def test_what_is_solved_often_is_compiled_better_once(root: Path, compilers: Callable[[], int]) -> None:
+    """Beside the other library, and with the same numbers to the last bit."""
+    quick, fast = derivatives([curved()])[0], derivatives([curved()], "optimised")[0]
+    check(fast)
+    assert fast.compiled and compilers() == 2 and only(root, "block.so").with_name("fast.so").exists()
+    derivatives([curved()], "optimised"), derivatives([curved()])
+    assert compilers() == 2
+    point = np.random.default_rng(0).normal(size=(3, 50))
+    for one, other, more in (
+        (quick.value, fast.value, ()), (quick.jacobian, fast.jacobian, ()), (quick.hessian, fast.hessian, (point + 1,)),
+    ):  # fmt: skip
+        np.testing.assert_array_equal(
+            one.map(50)(point, 5.0, 0.1, *more), other.map(50)(point, 5.0, 0.1, *more)
+        )
 
 
 def test_a_process_killed_while_compiling_blocks_nobody(

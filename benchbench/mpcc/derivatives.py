@@ -28,8 +28,13 @@ from benchbench.mpcc import compiler
 from benchbench.mpcc.cache import cache_root, private
 
 log = logging.getLogger(__name__)
-Compile = Literal["auto", "never"]
-FUNCTIONS, PATTERN, LIBRARY = "functions.casadi", "pattern.npz", "block.so"
+Compile = Literal["auto", "optimised", "never"]
+"""Where there is a compiler, blocks are compiled so that gcc is soon done, or so that they are fast; or they are interpreted."""
+FUNCTIONS, PATTERN, LIBRARY, FAST = "functions.casadi", "pattern.npz", "block.so", "fast.so"
+LIBRARIES: dict[Compile, tuple[str, tuple[str, ...]]] = {
+    "auto": (LIBRARY, compiler.FLAGS), "optimised": (FAST, compiler.OPTIMISED),
+}  # fmt: skip
+"""File and flags of the compiled functions."""
 KINDS = ("value", "first", "second")
 PLACES = ("rows", "columns", "hessian_rows", "hessian_columns")
 MANY, SMALL, LARGE = 25, 500, 10_000
@@ -86,7 +91,7 @@ _LOADED: dict[tuple[Path, Compile, bool, bool], tuple[Stamp, Derivatives]] = {}
 def _stamp(folder: Path) -> Stamp:
     """Time and size of the files of an entry: what was loaded is good as long as nobody touches them."""
     found: list[tuple[int, int] | None] = []
-    for name in (FUNCTIONS, PATTERN, LIBRARY):
+    for name in (FUNCTIONS, PATTERN, LIBRARY, FAST):
         try:
             status = os.stat(folder / name)
             found.append((status.st_mtime_ns, status.st_size))
@@ -109,10 +114,11 @@ def _from_disk(
     found = [_Pattern.load(folder) for folder in folders]
     often = [MANY] * len(functions) if instances is None else instances
     worth = [p.worth_compiling(n) or instances is None for p, n in zip(found, often, strict=True)]
-    if compile == "auto" and compiler.found():
-        with _lacking([p for p, w in zip(folders, worth, strict=True) if w], LIBRARY) as missing:
+    if compile in LIBRARIES and compiler.found():
+        name, flags = LIBRARIES[compile]
+        with _lacking([p for p, w in zip(folders, worth, strict=True) if w], name) as missing:
             sources = {folder: _functions(folder) for folder in missing}
-            for folder, made in compiler.build(sources, LIBRARY, seconds):
+            for folder, made in compiler.build(sources, name, seconds, flags):
                 _publish(made, folder)
     return [_load(*each, compile) for each in zip(folders, functions, found, worth, strict=True)]
 
@@ -204,8 +210,8 @@ def _nonzeros(matrix: ca.SX) -> ca.SX:
 def _load(
     folder: Path, function: ca.Function, pattern: _Pattern, worth: bool, compile: Compile
 ) -> Derivatives:
-    wanted = compile != "never" and worth
-    made = _compiled(folder, function.name()) if wanted else None
+    wanted = compile in LIBRARIES and worth
+    made = _compiled(folder / LIBRARIES[compile][0], function.name()) if wanted else None
     value, first, second = made or _functions(folder)
     return Derivatives(
         value=value, jacobian=first, hessian=second, rows=pattern.rows, columns=pattern.columns,
@@ -214,11 +220,11 @@ def _load(
     )  # fmt: skip
 
 
-def _compiled(folder: Path, name: str) -> list[ca.Function] | None:
-    if not _intact(folder / LIBRARY):
+def _compiled(library: Path, name: str) -> list[ca.Function] | None:
+    if not _intact(library):
         return None
     try:
-        return [ca.external(f"{name}_{what}", str(folder / LIBRARY)) for what in KINDS]
+        return [ca.external(f"{name}_{what}", str(library)) for what in KINDS]
     except RuntimeError as error:  # for example a file system that forbids to execute
         log.warning("a compiled block cannot be loaded and stays interpreted: %s", error)
         return None
@@ -235,7 +241,9 @@ def _folder(function: ca.Function, root: Path) -> Path:
 def _maker() -> str:
     """What makes the entries: this module, CasADi, the machine, the compiler's flags."""
     here = Path(__file__).read_text()
-    return "|".join([here, metadata.version("casadi"), platform.machine(), *compiler.FLAGS])
+    return "|".join(
+        [here, metadata.version("casadi"), platform.machine(), *compiler.FLAGS, *compiler.OPTIMISED]
+    )
 
 
 def _publish(file: Path, folder: Path) -> None:

@@ -71,7 +71,7 @@ def assemble(
     costs = sum(1 for b in mpcc.costs if b.instances)
     with spending(DERIVATIVES):
         local = derivatives([b.function for b in blocks], compile, [b.instances for b in blocks], seconds / 2)
-    note(INTERPRETED, sum(not d.compiled for d in local) if compile == "auto" else 0)
+    note(INTERPRETED, sum(not d.compiled for d in local) if compile != "never" else 0)
     free = _open(mpcc, adjustable)
     x, p = ca.MX.sym("x", mpcc.size), ca.MX.sym("p", 1 + sum(b.parameters.size for b in free))
     sigma, *open_numbers = ca.vertsplit(p, np.cumsum([0, 1, *(b.parameters.size for b in free)]).tolist())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -48,14 +49,16 @@ class Shift:
             marks = (np.arange(len(values)) + 0.5) / k
         else:
             return values
-        old, new = self._times(self.duration, marks), self.elapsed + self._times(self.rest, marks)
+        old, new = (np.interp(marks, np.arange(n + 1.0), times) for times in self._nodes)
         right = np.clip(np.searchsorted(old, new), 1, len(old) - 1)
         share = np.clip((new - old[right - 1]) / (old[right] - old[right - 1]), 0.0, 1.0)[:, None]
         return np.asarray((1 - share) * values[right - 1] + share * values[right])
 
-    def _times(self, duration: Array, marks: Array) -> Array:
-        """Time in s at node numbers, which may lie between nodes."""
-        return np.interp(marks, np.arange(self.grid.intervals + 1.0), self.grid.time_weights @ duration)
+    @cached_property
+    def _nodes(self) -> tuple[Array, Array]:
+        """When the old plan is at its nodes, and when the rest is at its own, (N + 1,) s of the old plan each."""
+        weights = self.grid.time_weights
+        return weights @ self.duration, self.elapsed + weights @ self.rest
 
     def _unknowns(self, mpcc: Mpcc, x: Array, durations: Array | None = None) -> Array:
         parts = {name: self.rows(values) for name, values in mpcc.split(x).items()}
