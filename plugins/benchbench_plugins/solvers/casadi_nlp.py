@@ -24,6 +24,8 @@ from benchbench_plugins.solvers.output import quiet as quiet
 from benchbench_plugins.solvers.watch import SolverWatch
 
 COMMON = {"calc_lam_p": False, "print_time": False, "error_on_fail": False}
+PATIENCE = 120.0
+"""CPU seconds that building a program for many solves may take, half of them compilers, however short each solve has to be."""
 OVERRUN = 1.2
 """Share of its time from which on a backend that took more is told to have."""
 UNIFIED: dict[str, Claim] = {
@@ -88,7 +90,7 @@ def prepare_parametric(
     backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, Any], adjustable: Collection[str]
 ) -> Parametric:
     """Build one solver for all problems that differ in numbers only (see `Solver.prepare_parametric`)."""
-    program = assemble(mpcc, setup.compile, adjustable, setup.seconds)
+    program = assemble(mpcc, setup.compile, adjustable, max(setup.seconds, PATIENCE))
     run = _runner(backend, program, _problem(program), setup, {**_derivatives(program), **options})
     return lambda moved, start: run(program.moved(moved), program.numbers(moved, 0.0), start)
 
