@@ -50,10 +50,12 @@ def entries(group: str) -> dict[str, tuple[EntryPoint, ...]]:
 
     A name has several where packages disagree about what it is.
     """
-    found = {
-        (entry.name, entry.value): entry
-        for entry in _scanned(tuple(sys.path)).select(group=f"benchbench.{group}")
-    }
+    return dict(_group(tuple(sys.path), group))
+
+
+@cache
+def _group(path: tuple[str, ...], group: str) -> dict[str, tuple[EntryPoint, ...]]:
+    found = {(e.name, e.value): e for e in _scanned(path).select(group=f"benchbench.{group}")}
     return {name: tuple(found[key] for key in sorted(found) if key[0] == name) for name, _ in found}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override
@@ -68,7 +69,7 @@ def _relaxing(overrides: Sequence[str]) -> bool:
 
 def _by_hand(overrides: Sequence[str]) -> list[str]:
     """Names of the margins that are set, as `rate_margin.arm`."""
-    parsed = OverridesParser.create().parse_overrides(list(overrides))
+    parsed = _parsed(tuple(overrides))
     return sorted({name for o in parsed if not o.is_delete() for name in _set(o)})
 
 
@@ -89,7 +90,13 @@ def _set(override: Override) -> Iterator[str]:
 
 def keys(overrides: Sequence[str]) -> set[str]:
     """Return the fields and choices that overrides are about. Raises what Hydra does for what is no override."""
-    return {o.key_or_group for o in OverridesParser.create().parse_overrides(list(overrides))}
+    return {o.key_or_group for o in _parsed(tuple(overrides))}
+
+
+@lru_cache(maxsize=64)
+def _parsed(overrides: tuple[str, ...]) -> list[Override]:
+    """What overrides say; several questions are asked of the same ones."""
+    return OverridesParser.create().parse_overrides(list(overrides))
 
 
 def _measures(node: DictConfig) -> bool:
@@ -107,7 +114,7 @@ def carried(overrides: Sequence[str]) -> list[str]:
     Hydra composes once without everything that is swept. `+scenario=a,b scenario.intervals=20` would fail
     there, since no scenario is chosen yet; `scenario.intervals=choice(20)` waits for the combinations.
     """
-    parsed = OverridesParser.create().parse_overrides(list(overrides))
+    parsed = _parsed(tuple(overrides))
     swept = {o.key_or_group for o in parsed if o.is_sweep_override()}
     return [_waiting(o) if _belongs(o, swept) else text for o, text in zip(parsed, overrides, strict=True)]
 
