@@ -49,10 +49,9 @@ def _check_names(node: Any, place: str) -> None:
 
 def _parameters(node: DictConfig) -> list[str]:
     """Names that the class of a configuration node takes; none if it has no class or takes any name."""
-    try:
-        parameters = inspect.signature(hydra.utils.get_class(node["_target_"])).parameters
-    except KeyError:
+    if "_target_" not in node:
         return []
+    parameters = inspect.signature(hydra.utils.get_class(node["_target_"])).parameters
     if any(p.kind is p.VAR_KEYWORD for p in parameters.values()):
         return []
     return list(parameters)
