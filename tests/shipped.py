@@ -37,7 +37,9 @@ class _Listed(list[Any]):
 def compose_once() -> None:
     """Keep what Hydra makes of files in `conf/` and of its own, and of merging them; each composition is given a copy."""
     ConfigRepository.load_config = _kept(ConfigRepository.load_config)
-    ConfigRepository.__deepcopy__ = lambda self, _: copy.copy(self)  # its sources are never changed, only replaced
+    ConfigRepository.__deepcopy__ = lambda self, _: copy.copy(
+        self
+    )  # its sources are never changed, only replaced
     config_loader_impl.create_defaults_list = _listed(defaults_list.create_defaults_list)
     ConfigLoaderImpl._compose_config_from_defaults_list = _merged(
         ConfigLoaderImpl._compose_config_from_defaults_list
