@@ -260,6 +260,48 @@ def test_a_failing_controller_costs_one_flight(
     assert reason in one.verdict.reasons and detail in one.verdict.detail
 
 
+class Unprepared(Controller):
+    """Cannot begin."""
+
+    def prepare(
+        self, known: Known, correction: Correction, weighing: Weighing
+    ) -> Callable[[Sensed, float], Command]:
+        raise RuntimeError("not today")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "residual", "detail"),
+    [
+        (True, "none", "preparing it raised RuntimeError: not today"),
+        (False, "none", "the controller raised RuntimeError: no idea"),
+        (False, "gp", "preparing it raised BadInput: residual: 0 samples were flown"),
+    ],
+)
+def test_what_fails_before_the_first_command_costs_one_flight(
+    flown: pipeline.Run, reference: Reference, spoil: bool, residual: str, detail: str, tmp_path: Path
+) -> None:
+    """Also where the training flight is such a one; the picture of a flight that never was has its place."""
+    from benchbench.flight.columns import flights as told
+    from benchbench.report.flights import draw_flights
+
+    _, flights = asked("mismatch=lab", f"residual={residual}", "flights=1")
+
+    class Silent(Controller):
+        def prepare(
+            self, known: Known, correction: Correction, weighing: Weighing
+        ) -> Callable[[Sensed, float], Command]:
+            return lambda sensed, now: raises(Command(now, 0, (0, 0, 0), (0, 0, 0), (0, 0, 0), (0, 0, 0)))
+
+    broken = replace(flights, controller=Unprepared() if spoil else Silent())
+    one = broken.once(reference, frame(flown).airframe, 0)
+    assert one.verdict.reasons == ("controller",) and one.verdict.detail.startswith(detail)
+    assert told(broken, frame(flown).airframe, reference, [one]).columns["flight_reasons"] == {
+        "controller": 1
+    }
+    draw_flights(tmp_path / "x.png", reference, [one], frame(flown).airframe, flights.limits, "")
+    assert (tmp_path / "x.png").stat().st_size > 1000
+
+
 def perfect(reference: Reference) -> Log:
     """A flight exactly as planned, the ball taken where the plan first touches it and carried on."""
     n = len(reference.time) - 1

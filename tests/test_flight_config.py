@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import pytest
 
 from benchbench.flight.foretold import foretold
 from benchbench.flight.predictor import Predictor, Seen
+from benchbench.flight.residual import Learned, Residual, Sample
 from benchbench.ground.errors import BadInput, BenchBenchError
 from benchbench.ocp.motion import Motion
+from benchbench.planning.case import Case
 from benchbench.run import config
 from benchbench.run.execution import config_hash
 from benchbench.run.flying import DEFAULTS, campaign, flying
@@ -15,6 +20,7 @@ from benchbench_plugins.motions import Fixed, Linear
 from benchbench_plugins.predictors.constant_turn import ConstantTurn
 from benchbench_plugins.predictors.constant_velocity import ConstantVelocity
 from benchbench_plugins.predictors.known import Known as Told
+from benchbench_plugins.residuals.constant import Constant
 
 
 def asked(*overrides: str) -> object:
@@ -62,6 +68,24 @@ def test_a_run_that_only_plans_keeps_its_hash() -> None:
         (("mismatch.wnd=[0,0]",), "mismatch.wnd"),
         (("judge.touch_speed=0",), "judge.touch_speed"),
         (("residual=unheard_of",), "residual"),
+        (("mismatch.mass=[-1.2,0]",), "mismatch.mass.0"),
+        (("mismatch.thrust=[-1.2,0]",), "mismatch.thrust.0"),
+        (("certificate@judge=race", "flights=1"), "judge._target_"),
+        (("residual=gp", "residual.training=0"), "residual.training"),
+        (("residual=constant", "residual.training=0"), "residual.training"),
+        (("residual=gp", "residual.points=5000"), "residual.points"),
+        (("residual=gp_observer", "residual.points=0"), "residual.points"),
+        (("residual=observer", "residual.gain=.nan"), "residual.gain"),
+        (("controller.stages=0",), "controller.stages"),
+        (("controller.step=0.013",), "controller.step"),
+        (("controller.rate_limit=[1]",), "controller.rate_limit.1"),
+        (("controller=nmpc_ipopt", "controller.position=-1"), "controller.position"),
+        (("autopilot.proportional=[1,1,-1]",), "autopilot.proportional.2"),
+        (("world.servo_stiffness=.nan",), "world.servo_stiffness"),
+        (("world=ode", "world.servo_damping=-1"), "world.servo_damping"),
+        (("payload=estimated", "payload.gain=2"), "payload.gain"),
+        (("predictor=constant_velocity", "predictor.window=-1"), "predictor.window"),
+        (("predictor=gp", "predictor.points=0"), "predictor.points"),
     ],
 )
 def test_mistakes_name_their_field(overrides: tuple[str, ...], field: str) -> None:
@@ -85,6 +109,22 @@ def test_what_cannot_be_flown_is_told(overrides: tuple[str, ...], field: str) ->
     with pytest.raises(BenchBenchError) as told:
         found.check(getattr(case, "scenario", None), getattr(case, "model", None))
     assert told.value.field == field  # type: ignore[attr-defined]
+
+
+class Untrained(Residual):
+    """Learns from flights, and asks for none."""
+
+    def learn(self, flights: Sequence[Sequence[Sample]]) -> Learned:
+        return Constant().learn(flights)
+
+
+def test_what_learns_from_no_flight_is_told_before_anything_is_planned() -> None:
+    cfg, chosen = config.composed("+scenario=circle", "flights=1")
+    found, case = campaign(cfg, chosen), config.build(cfg, chosen)
+    assert found is not None and isinstance(case, Case)
+    with pytest.raises(BadInput, match="no training flight to learn from") as told:
+        replace(found, residual=Untrained()).check(case.scenario, case.model)
+    assert told.value.field == "residual"
 
 
 class Off(Predictor):

@@ -16,9 +16,11 @@ from simulator import GOOD, Flown, fly
 from benchbench.certificate.certificate import Certificate
 from benchbench.cli.commands.certify import run
 from benchbench.ground.errors import BadInput
+from benchbench.planning.case import Case
 from benchbench.run import pipeline
 from benchbench.storage.flight import flight_of
 from benchbench.storage.flight_csv import to_csv
+from benchbench.storage.recording import write_mcap
 
 RACE = ("+scenario=race", "scenario.gates=1", "scenario.nodes_per_gate=20")
 HANDOVER = ("+scenario=static", "strategy=phases", "scenario.intervals=30")
@@ -49,6 +51,24 @@ def test_our_plan_comes_back_with_the_same_numbers(tmp_path: Path, overrides: tu
         ):  # of no problem of ours
             assert getattr(again.certificate.measures, name) == pytest.approx(value, rel=1e-4, abs=1e-7), name
     assert again.record["solver"] == again.record["strategy"] == "foreign"
+
+
+def test_a_recorded_plan_of_another_vehicle_is_refused(tmp_path: Path) -> None:
+    """The paper's two vehicles have the same coordinates: only the recording says whose plan it is."""
+    from omegaconf import OmegaConf
+
+    from benchbench.run import config
+
+    done, file = own(*HANDOVER), tmp_path / "plan.mcap"
+    assert isinstance(done.case, Case)
+    text = OmegaConf.to_yaml(config.composed(*HANDOVER)[0])
+    write_mcap(file, done.result.plan, None, done.case.scenario, done.case.model, {"config": text})
+    asked = (HANDOVER[0], "strategy=foreign", f"strategy.file={file}")
+    assert pipeline.run(composing.case_of(*asked)).certificate.certified == done.certificate.certified
+    found = told(tmp_path, *asked, "vehicle=table2", "flights=1")
+    first, second = found.stderr.splitlines()
+    assert (found.returncode, first) == (2, "benchbench: bad input")
+    assert second.startswith("  vehicle: 'table2' was asked for, but ") and "a plan of 'table1'" in second
 
 
 def task(first: Sequence[float] = GOOD[1], second: Sequence[float] = GOOD[2], *more: str) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from benchbench.flight.foretold import foretold
 from benchbench.flight.from_plan import reference_of
 from benchbench.flight.judge import Verdict, judge
 from benchbench.flight.limits import FlightLimits
-from benchbench.flight.loop import Log, fly
+from benchbench.flight.loop import Log, fly, unflown
 from benchbench.flight.mismatch import Drawn, Mismatch
 from benchbench.flight.payload import Payload
 from benchbench.flight.predictor import Predictor
@@ -97,6 +97,8 @@ class Campaign:
         if task.reach < task.farthest:
             problem = f"{task.reach:g} m is less than the plan's contact may be away"
             raise BadInput("scenario.magnet_reach", problem, f"at least {task.farthest:g} m")
+        if self.residual.training <= 0:
+            self.residual.learn([])  # one that needs a flight to learn from says so
         foretold(self.predictor, self.names["predictor"], task.target)
 
     def fly(
@@ -130,26 +132,31 @@ class Campaign:
         self, reference: Reference, airframe: Airframe, number: int, chase: Chase | None = None
     ) -> Flown:
         """Fly a reference once, in the world of this number; chase: or a target that has to be predicted."""
-        mismatch = self.mismatch.draw(self.seed * PER_SEED + number)
-        samples, spent = [], 0.0
-        if self.residual.training > 0:
-            recorder = Recorder()
-            wander = training_reference(reference, airframe, self.residual.training, mismatch.seed)
-            spent = self._run(self._steady(wander, airframe, recorder), airframe, mismatch, TRAINING).cpu
-            samples = [recorder.samples]
-        correction = self.residual.learn(samples)()
-        if chase is None:
-            steady = self._steady(reference, airframe, correction)
-            log = self._run(steady, airframe, mismatch, 0)
-            return Flown(
-                number, mismatch, log, judge(log, reference, airframe, self.limits), reference, spent
-            )
-        pursuit = self._pursuit(reference, airframe, mismatch, correction, chase)
-        log = self._run(pursuit, airframe, mismatch, 0)
-        verdict = judge(log, pursuit.reference, airframe, self.limits)
-        return Flown(
-            number, mismatch, log, verdict, pursuit.reference, spent, tuple(pursuit.costs), pursuit.refused
-        )
+        mismatch, spent = self.mismatch.draw(self.seed * PER_SEED + number), 0.0
+        course: Steady | Pursuit
+        try:
+            correction, spent = self._learned(reference, airframe, mismatch)
+            if chase is None:
+                course = self._steady(reference, airframe, correction)
+            else:
+                course = self._pursuit(reference, airframe, mismatch, correction, chase)
+        except Exception as error:  # noqa: BLE001  # residuals and controllers may be anybody's: it costs one flight
+            log = unflown(f"preparing it raised {type(error).__name__}: {error}")
+            return Flown(number, mismatch, log, judge(log, reference, airframe, self.limits), reference)
+        log = self._run(course, airframe, mismatch, 0)
+        followed, verdict = course.reference, judge(log, course.reference, airframe, self.limits)
+        if isinstance(course, Steady):
+            return Flown(number, mismatch, log, verdict, followed, spent)
+        return Flown(number, mismatch, log, verdict, followed, spent, tuple(course.costs), course.refused)
+
+    def _learned(self, reference: Reference, airframe: Airframe, mismatch: Drawn) -> tuple[Correction, float]:
+        """A correction, after a training flight where it learns from one, and the CPU s of that."""
+        if self.residual.training <= 0:
+            return self.residual.learn([])(), 0.0
+        recorder = Recorder()
+        wander = training_reference(reference, airframe, self.residual.training, mismatch.seed)
+        log = self._run(self._steady(wander, airframe, recorder), airframe, mismatch, TRAINING)
+        return self.residual.learn([recorder.samples])(), log.cpu
 
     def _steady(self, reference: Reference, airframe: Airframe, correction: Correction) -> Steady:
         known = Known(reference, airframe, self.rig)

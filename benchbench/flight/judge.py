@@ -17,7 +17,7 @@ from benchbench.ocp.airframe import Airframe
 Flags = NDArray[np.bool_]
 REASONS = {
     "lost": "it went further than a metre from the plan",
-    "controller": "the controller failed, or commanded what is no number",
+    "controller": "the controller failed, or what it learns from; or it commanded what is no number",
     "controller late": "commands took longer than until the next one",
     "no attachment": "the ball was never attached",
     "early": "the ball was attached before the plan is within reach",
@@ -76,7 +76,8 @@ def judge(log: Log, reference: Reference, airframe: Airframe, limits: FlightLimi
     tests = {
         "lost": log.broken == "lost",
         "controller": log.broken not in ("", "lost"),
-        "controller late": bool(np.mean(log.controller_cpu > PERIOD) > limits.controller_late),
+        "controller late": np.sum(log.controller_cpu > PERIOD)
+        > limits.controller_late * len(log.controller_cpu),
         "no attachment": whole and caught is None,
         "early": attached_s < begins - limits.early,
         "late": attached_s > reference.window[1] + limits.late,

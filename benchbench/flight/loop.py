@@ -18,6 +18,8 @@ from benchbench.ground.arrays import Array
 
 EVERY = round(PERIOD / STEP)
 """Steps of the world for one of the controller."""
+LONGEST = 200
+"""Characters of an error that are kept."""
 LOST = 1.0
 """m from the reference, beyond which a flight is given up."""
 
@@ -98,12 +100,21 @@ def _commanded(course: Course, sensed: Sensed, now: float) -> tuple[Command | No
         who, before = "controller", time.thread_time()
         command = control(sensed, now)
     except Exception as error:  # noqa: BLE001  # a controller may be anybody's
-        return None, f"the {who} raised {type(error).__name__}: {error}"[:200], time.thread_time() - before
+        return (
+            None,
+            f"the {who} raised {type(error).__name__}: {error}"[:LONGEST],
+            time.thread_time() - before,
+        )
     cost = time.thread_time() - before
     numbers = [command.thrust, *command.rates, *command.spin, *command.torque, *command.arm]
     if not np.isfinite(numbers).all():
         return None, "the controller commanded what is no number", cost
     return command, "", cost
+
+
+def unflown(why: str) -> Log:
+    """Return the log of a flight that never began; why in words."""
+    return _log([], [], [], [], [], 0.0, why[:LONGEST])
 
 
 def _near(truth: Truth, wanted: Array) -> bool:

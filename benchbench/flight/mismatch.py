@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, final
+from typing import Annotated, Any, final
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from benchbench.ground.arrays import Array
-from benchbench.ocp.task_family import AtLeastZero, Between, Draws
+from benchbench.ocp.task_family import AtLeastZero, Between, Draws, increasing
 
 NONE = (0.0, 0.0)
+Above = Annotated[float, Field(gt=-1, allow_inf_nan=False)]
+NoLess = Annotated[float, Field(ge=-1, allow_inf_nan=False)]
+Masses = Annotated[tuple[Above, Above], AfterValidator(increasing)]
+"""Shares of a mass: some of it stays."""
+Forces = Annotated[tuple[NoLess, NoLess], AfterValidator(increasing)]
+"""Shares of a force: -1 is none of it, and less would pull."""
 
 
 @final
@@ -39,11 +45,11 @@ class Mismatch(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    mass: Between = NONE
-    ball_mass: Between = NONE
-    thrust: Between = NONE
-    motor: Between = NONE
-    first_motor: Between = NONE
+    mass: Masses = NONE
+    ball_mass: Masses = NONE
+    thrust: Forces = NONE
+    motor: Forces = NONE
+    first_motor: Forces = NONE
     motor_lag: AtLeastZero = NONE
     centre_of_mass: Between = NONE
     drag: AtLeastZero = NONE

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -54,7 +54,7 @@ class Residual(ABC):
     training  s of separate flights in the same world that it learns from; 0 for one that learns nothing before
     """
 
-    training: ClassVar[float] = 0.0
+    training: float = 0.0
 
     @abstractmethod
     def learn(self, flights: Sequence[Sequence[Sample]]) -> Learned:

@@ -25,7 +25,8 @@ BITS = 53
 """Of a float's mantissa."""
 
 
-def _increasing(pair: tuple[float, float]) -> tuple[float, float]:
+def increasing(pair: tuple[float, float]) -> tuple[float, float]:
+    """Return a range as it is; raises ValueError for one that is reversed."""
     if not pair[0] <= pair[1]:
         raise ValueError("the first number must not exceed the second")
     return pair
@@ -37,12 +38,12 @@ def _some(weights: dict[str, float]) -> dict[str, float]:
     return weights
 
 
-Between = Annotated[tuple[Finite, Finite], AfterValidator(_increasing)]
+Between = Annotated[tuple[Finite, Finite], AfterValidator(increasing)]
 """Smallest and largest number that may be drawn; the same twice for one that is always the same."""
-AtLeastZero = Annotated[tuple[NonNegative, NonNegative], AfterValidator(_increasing)]
-AboveZero = Annotated[tuple[Positive, Positive], AfterValidator(_increasing)]
+AtLeastZero = Annotated[tuple[NonNegative, NonNegative], AfterValidator(increasing)]
+AboveZero = Annotated[tuple[Positive, Positive], AfterValidator(increasing)]
 Count = Annotated[int, Field(ge=1)]
-Counts = Annotated[tuple[Count, Count], AfterValidator(_increasing)]
+Counts = Annotated[tuple[Count, Count], AfterValidator(increasing)]
 """Smallest and largest whole number, both may be drawn."""
 Shares = Annotated[dict[str, NonNegative], AfterValidator(_some)]
 """How often each of some names is drawn, in any unit: {fixed: 1, circle: 2}."""

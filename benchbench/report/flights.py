@@ -74,6 +74,9 @@ def _side(
     )
     axes.plot(place[:, 0], place[:, 2], color=TOOL, linewidth=1.0, label="end effector")
     axes.plot(one.log.ball[:, 0], one.log.ball[:, 2], color=TARGET, linewidth=1.0, label="ball")
+    if not len(place):
+        axes.text(0.5, 0.5, "it was not flown", transform=axes.transAxes, ha="center", color=INK)
+        return
     rows = np.unique(
         np.searchsorted(one.log.time, np.linspace(0, reference.travel_time, POSES)).clip(0, len(place) - 1)
     )

@@ -31,7 +31,8 @@ DEFAULTS = {
     "mismatch": "lab", "rig": "light",
 }  # fmt: skip
 """What flights choose where nothing else is said."""
-JUDGE, JUDGED = "judge", "certificate@judge=flight"
+JUDGE, JUDGING = "judge", "certificate@judge"
+JUDGED = f"{JUDGING}=flight"
 KINDS: dict[str, type] = {
     "world": World, "controller": Controller, "autopilot": Autopilot, "residual": Residual, "payload": Payload,
     "predictor": Predictor,    "mismatch": Mismatch, "rig": Rig, JUDGE: FlightLimits,
@@ -49,8 +50,9 @@ def flying(overrides: Sequence[str]) -> list[str]:
     if not about or (about == {COUNT} and f"{COUNT}=0" in overrides):
         return []
     chosen = {key for key in asked if "." not in key}
+    judged = JUDGE in chosen or any(text.lstrip("+").startswith(f"{JUDGING}=") for text in overrides)
     more = [f"{group}={name}" for group, name in DEFAULTS.items() if group not in chosen]
-    return [*more, *([] if JUDGE in chosen else [JUDGED]), *([] if COUNT in asked else [f"{COUNT}=1"])]
+    return [*more, *([] if judged else [JUDGED]), *([] if COUNT in asked else [f"{COUNT}=1"])]
 
 
 def campaign(cfg: DictConfig, chosen: Mapping[str, Any]) -> Campaign | None:

@@ -9,6 +9,7 @@ from benchbench.ground.errors import BadInput
 from benchbench.ocp.columns import TIME
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Interpolation, Plan
+from benchbench.ocp.reading import plain_yaml
 from benchbench.storage.attached import attached
 from benchbench.storage.flight import plan_of
 from benchbench.storage.flight_csv import flight_of_lines, read_csv
@@ -55,10 +56,27 @@ def of_model(plan: Plan, model: Model) -> Plan:
 
 
 def _recorded(path: Path, model: Model) -> Plan:
+    """Of a run: its configuration says whose plan it is; two vehicles may have the same coordinates."""
     try:
-        return of_model(read_mcap(path).plan, model)
+        recording = read_mcap(path)
     except (OSError, ValueError) as error:
         raise BadInput(str(path), f"is no plan that can be read: {error}", "a plan.mcap of a run") from None
+    whose = _vehicle(recording.config)
+    if whose not in (None, model.name):
+        problem = f"'{model.name}' was asked for, but {path} is a plan of '{whose}'"
+        raise BadInput("vehicle", problem, f"{whose}, or a plan of '{model.name}'")
+    return of_model(recording.plan, model)
+
+
+def _vehicle(config: str) -> str | None:
+    """Name of the vehicle in a composed configuration; None where it says none."""
+    try:
+        tree = plain_yaml(config)
+    except ValueError:
+        return None
+    vehicle = tree.get("vehicle") if isinstance(tree, dict) else None
+    name = vehicle.get("name") if isinstance(vehicle, dict) else None
+    return name if isinstance(name, str) else None
 
 
 def _is_frame(path: Path) -> bool:

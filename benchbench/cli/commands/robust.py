@@ -45,6 +45,7 @@ def run(arguments: Sequence[str]) -> Sweep:
     if "scenario" not in asked:
         raise BadInput("scenario", "none was chosen", "+scenario=NAME of a handover with one target")
     _check_target(typed)
+    _check_count(typed)
     _check_flown(typed)
     added = [] if "scenario/contact" in asked else [GENTLE]
     added += [f"{key}={value}" for key, value in DEFAULTS.items() if key not in asked]
@@ -67,6 +68,18 @@ def _check_target(typed: Sequence[str]) -> None:
             fits = False
         if not fits:
             raise BadInput(key, f"'{value}' was given", "a number above 0 and below 1")
+
+
+def _check_count(typed: Sequence[str]) -> None:
+    """Refuse once what plans only, or every run would refuse; lists of numbers are told by their runs."""
+    from benchbench.ground.errors import BadInput
+
+    for text in typed:
+        key, _, value = text.lstrip("+").partition("=")
+        if key == "flights" and "," not in value and not (value.isdecimal() and int(value) > 0):
+            raise BadInput(
+                key, f"'{value}' was given", "a whole number of at least 1: success is told of flights"
+            )
 
 
 def _check_flown(typed: Sequence[str]) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import final
 
 import numpy as np
+from pydantic import validate_call
 
 from benchbench.flight.controller import Controller, Known
 from benchbench.flight.extra import need
@@ -13,9 +14,11 @@ from benchbench.flight.payload import Weighing
 from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
 from benchbench.ground.arrays import Array
+from benchbench.ocp.scenario import NonNegative, Positive
 from benchbench_plugins.controllers.condensed import Condensed, Weights
 from benchbench_plugins.controllers.prediction import Prediction
-from benchbench_plugins.controllers.receding import Horizon, receding
+from benchbench_plugins.controllers.receding import Horizon, Stages, receding
+from benchbench_plugins.controllers.tables import Stage
 
 
 @final
@@ -31,14 +34,15 @@ class Nmpc(Controller):
     soft_speed             share by which the vehicle's speed limits may be exceeded before that costs; 0 for no such bound
     """
 
+    @validate_call
     def __init__(
-        self, stages: int = 20, step: float = 0.05, position: float = 400.0, attitude: float = 5.0,
-        velocity: float = 10.0, rates: float = 1.0, thrust: float = 0.1, rate_limit: tuple[float, ...] = (6.0, 6.0, 3.0),
-        soft_speed: float = 0.1, latency: float = 0.03, lead: float = 0.012, tip: float = 45.0,
+        self, stages: Stages = 20, step: Stage = 0.05, position: Positive = 400.0, attitude: Positive = 5.0,
+        velocity: Positive = 10.0, rates: Positive = 1.0, thrust: Positive = 0.1, rate_limit: tuple[Positive, Positive, Positive] = (6.0, 6.0, 3.0),
+        soft_speed: NonNegative = 0.1, latency: NonNegative = 0.03, lead: NonNegative = 0.012, tip: NonNegative = 45.0,
     ) -> None:  # fmt: skip
         """Keep the numbers. Raises Unavailable without daqp."""
         need("daqp", "controller=nmpc")
-        self.horizon, self.soft_speed = Horizon(stages, step, latency, lead, tuple(rate_limit)), soft_speed
+        self.horizon, self.soft_speed = Horizon(stages, step, latency, lead, rate_limit), soft_speed
         self.weights = Weights(position, attitude, velocity, rates, thrust, tip)
 
     def prepare(

@@ -5,28 +5,33 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import final
 
+from pydantic import validate_call
+
 from benchbench.flight.controller import Controller, Known
 from benchbench.flight.payload import Weighing
 from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
 from benchbench.ground.arrays import Array
+from benchbench.ocp.scenario import NonNegative, Positive
 from benchbench_plugins.controllers.condensed import Weights
 from benchbench_plugins.controllers.converged import Converged
 from benchbench_plugins.controllers.prediction import Prediction
-from benchbench_plugins.controllers.receding import Horizon, receding
+from benchbench_plugins.controllers.receding import Horizon, Stages, receding
+from benchbench_plugins.controllers.tables import Stage
 
 
 @final
 class NmpcIpopt(Controller):
     """As `nmpc`, without the bound on speeds and the residual's gradient; some ten times slower, so for checks alone."""
 
+    @validate_call
     def __init__(
-        self, stages: int = 20, step: float = 0.05, position: float = 400.0, attitude: float = 5.0,
-        velocity: float = 10.0, rates: float = 1.0, thrust: float = 0.1, rate_limit: tuple[float, ...] = (6.0, 6.0, 3.0),
-        latency: float = 0.03, lead: float = 0.012, tip: float = 45.0,
+        self, stages: Stages = 20, step: Stage = 0.05, position: Positive = 400.0, attitude: Positive = 5.0,
+        velocity: Positive = 10.0, rates: Positive = 1.0, thrust: Positive = 0.1, rate_limit: tuple[Positive, Positive, Positive] = (6.0, 6.0, 3.0),
+        latency: NonNegative = 0.03, lead: NonNegative = 0.012, tip: NonNegative = 45.0,
     ) -> None:  # fmt: skip
         """Keep the numbers; they mean what they do for `nmpc`."""
-        self.horizon = Horizon(stages, step, latency, lead, tuple(rate_limit))
+        self.horizon = Horizon(stages, step, latency, lead, rate_limit)
         self.weights = Weights(position, attitude, velocity, rates, thrust, tip)
 
     def prepare(

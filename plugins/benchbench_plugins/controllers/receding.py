@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, final
+from typing import Annotated, Protocol, final
 
 import numpy as np
+from pydantic import Field
 
 from benchbench.flight.controller import Known
 from benchbench.flight.payload import Weighing
@@ -17,6 +18,9 @@ from benchbench_plugins.controllers.estimate import Estimate
 from benchbench_plugins.controllers.prediction import Prediction
 from benchbench_plugins.controllers.tables import GRID, Tables, tables
 from benchbench_plugins.controllers.telling import Telling
+
+Stages = Annotated[int, Field(ge=1, le=200)]
+"""Of a horizon; the work of a command grows with their third power."""
 
 
 class Program(Protocol):

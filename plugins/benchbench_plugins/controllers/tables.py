@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
+from pydantic import AfterValidator, Field
 
 from benchbench.flight.reference import Reference, entry, matrices, tip
 from benchbench.flight.statics import mixer
@@ -14,6 +16,16 @@ from benchbench_plugins.controllers.prediction import STATES, stage
 
 GRID = 0.01
 """s, of the tables; commands and stages begin on it."""
+
+
+def _on_grid(step: float) -> float:
+    if abs(step / GRID - round(step / GRID)) > 1e-9:
+        raise ValueError(f"a stage is a multiple of {GRID:g} s")
+    return step
+
+
+Stage = Annotated[float, Field(ge=GRID, allow_inf_nan=False), AfterValidator(_on_grid)]
+"""s, of one stage of a horizon."""
 NEAR = 0.1
 """s before the plan comes within the magnet's reach, from which on the end effector's velocity counts: a flight may be there sooner."""
 

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import final
 
+from pydantic import validate_call
+
 from benchbench.flight.payload import Payload, Weighing
 from benchbench.flight.rig import Rig
 from benchbench.flight.sensed import Command, Sensed
+from benchbench.ocp.scenario import Positive
+from benchbench.ocp.task_family import Chance
 
 
 @final
@@ -17,7 +21,8 @@ class Estimated(Payload):
     (m + m_b)^2 r / F.
     """
 
-    def __init__(self, gain: float = 0.15, most: float = 1.0) -> None:
+    @validate_call
+    def __init__(self, gain: Chance = 0.15, most: Positive = 1.0) -> None:
         """gain: share of a shortfall that is believed; most: kg, no estimate is larger."""
         self.gain, self.most = gain, most
 

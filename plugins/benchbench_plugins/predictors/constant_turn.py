@@ -7,10 +7,12 @@ from typing import final
 
 import casadi as ca
 import numpy as np
+from pydantic import validate_call
 
 from benchbench.flight.predictor import Predictor, Seen
 from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion
+from benchbench.ocp.scenario import NonNegative, Positive
 from benchbench_plugins.predictors.windows import latest
 
 TINY = 1e-5
@@ -48,7 +50,8 @@ class ConstantTurn(Predictor):
     slow  m/s, below which a target is said to stand
     """
 
-    def __init__(self, window: float = 1.5, slow: float = 0.02) -> None:
+    @validate_call
+    def __init__(self, window: Positive = 1.5, slow: NonNegative = 0.02) -> None:
         """Keep the numbers."""
         self.window, self.slow = window, slow
 

@@ -7,10 +7,12 @@ from typing import final
 
 import casadi as ca
 import numpy as np
+from pydantic import validate_call
 
 from benchbench.flight.predictor import Predictor, Seen
 from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion
+from benchbench.ocp.scenario import NonNegative, Positive
 from benchbench_plugins.predictors.windows import direction, latest
 
 
@@ -40,7 +42,8 @@ class ConstantVelocity(Predictor):
     slow      m/s, below which a target is said to stand: noise of positions is no direction to turn to
     """
 
-    def __init__(self, window: float = 1.0, pointing: float = 0.2, slow: float = 0.02) -> None:
+    @validate_call
+    def __init__(self, window: Positive = 1.0, pointing: Positive = 0.2, slow: NonNegative = 0.02) -> None:
         """Keep the numbers."""
         self.window, self.pointing, self.slow = window, pointing, slow
 

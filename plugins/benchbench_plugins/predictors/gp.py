@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import final
+from typing import Annotated, final
 
 import casadi as ca
 import numpy as np
+from pydantic import Field, validate_call
 
 from benchbench.flight.predictor import Predictor, Seen
 from benchbench.ground.arrays import Array
 from benchbench.ocp.motion import Motion
+from benchbench.ocp.scenario import Positive
 from benchbench_plugins.predictors.windows import latest
 
 WIDE = 10.0
 """m and m/s, standard deviation of the line about which a target is thought to move: any."""
 CREEP = 0.02
 """m/s, speed below which a heading tells nothing of the motion."""
+
+Points = Annotated[int, Field(ge=1, le=100)]
 
 
 @final
@@ -57,9 +61,10 @@ class Gp(Predictor):
     noise, pointing  m and rad, of one observation
     """
 
+    @validate_call
     def __init__(
-        self, window: float = 3.0, points: int = 6, size: float = 0.08, length: float = 3.0, noise: float = 0.01,
-        pointing: float = 0.01,
+        self, window: Positive = 3.0, points: Points = 6, size: Positive = 0.08, length: Positive = 3.0, noise: Positive = 0.01,
+        pointing: Positive = 0.01,
     ) -> None:  # fmt: skip
         """Keep the numbers."""
         self.window, self.size, self.length, self.noise, self.pointing = window, size, length, noise, pointing

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
+from pydantic import validate_call
 
 from benchbench.flight.residual import Learned, Residual, Sample
 from benchbench.ground.errors import BadInput
+from benchbench.ocp.scenario import Positive
 from benchbench_plugins.residuals.filtered import Filtered
 
 
@@ -16,7 +18,10 @@ from benchbench_plugins.residuals.filtered import Filtered
 class Constant(Residual):
     """The mean of the residual acceleration of a training flight, in the world; what a Gaussian process has to beat."""
 
-    training: ClassVar[float] = 12.0
+    @validate_call
+    def __init__(self, training: Positive = 12.0) -> None:
+        """training: s of the flight that is learned from."""
+        self.training = training
 
     def learn(self, flights: Sequence[Sequence[Sample]]) -> Learned:
         """Take the mean."""

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
+from pydantic import Field
 
 from benchbench.flight.residual import Correction, Sample
 from benchbench.ground.arrays import Array
+
+Gain = Annotated[float, Field(gt=0, le=1)]
+"""Share of each surprise that is believed."""
 
 
 @final

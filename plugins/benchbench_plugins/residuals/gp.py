@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar, final
+from typing import final
+
+from pydantic import validate_call
 
 from benchbench.flight.extra import need
 from benchbench.flight.residual import Learned, Residual, Sample
+from benchbench.ocp.scenario import Positive
 from benchbench_plugins.residuals.filtered import Filtered
-from benchbench_plugins.residuals.gp_fit import fit
+from benchbench_plugins.residuals.gp_fit import Points, enough, fit
 from benchbench_plugins.residuals.gp_mean import GpCorrection
 
 
@@ -16,12 +19,14 @@ from benchbench_plugins.residuals.gp_mean import GpCorrection
 class Gp(Residual):
     """One process per body axis i over the paper's features: height, arm angle, speed along the axis."""
 
-    training: ClassVar[float] = 12.0
+    @validate_call
+    def __init__(self, points: Points = 50, training: Positive = 12.0) -> None:
+        """points: means of clusters of samples that are kept; training: s of the flight that is learned from.
 
-    def __init__(self, points: int = 50) -> None:
-        """points: means of clusters of samples that are kept. Raises Unavailable without scikit-learn."""
+        Raises Unavailable without scikit-learn, BadInput for more points than samples.
+        """
         need("sklearn", "residual=gp")
-        self.points = points
+        self.points, self.training = enough(points, training), training
 
     def learn(self, flights: Sequence[Sequence[Sample]]) -> Learned:
         """Fit; raises BadInput without samples."""

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from typing import Annotated
 
 import numpy as np
+from pydantic import Field
 
+from benchbench.flight.controller import PERIOD
 from benchbench.flight.reference import matrices
 from benchbench.flight.residual import Sample
 from benchbench.ground.arrays import Array
@@ -17,6 +20,16 @@ SMOOTH = 5
 """Samples over which labels are averaged: differences of a noisy velocity."""
 SETTLING = 25
 """First samples of a flight that are left out, half a second."""
+Points = Annotated[int, Field(ge=2)]
+
+
+def enough(points: int, training: float) -> int:
+    """Return the points; raises BadInput where so many s of training give fewer samples."""
+    samples = int(training / PERIOD)
+    if points > samples:
+        problem = f"{points} points of {training:g} s of training, in which there are {samples} samples"
+        raise BadInput("residual.points", problem, f"at most {samples}, or a longer residual.training")
+    return points
 
 
 def fit(flights: Sequence[Sequence[Sample]], points: int) -> GpMean:

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import ClassVar, final
+from typing import final
+
+from pydantic import validate_call
 
 from benchbench.flight.extra import need
 from benchbench.flight.residual import Learned, Residual, Sample
-from benchbench_plugins.residuals.filtered import Filtered
-from benchbench_plugins.residuals.gp_fit import fit
+from benchbench.ocp.scenario import Positive
+from benchbench_plugins.residuals.filtered import Filtered, Gain
+from benchbench_plugins.residuals.gp_fit import Points, enough, fit
 from benchbench_plugins.residuals.gp_mean import GpCorrection
 
 
@@ -16,12 +19,11 @@ from benchbench_plugins.residuals.gp_mean import GpCorrection
 class GpObserver(Residual):
     """The processes of `gp`, and what is not expected even so, low-pass filtered as by `observer`."""
 
-    training: ClassVar[float] = 12.0
-
-    def __init__(self, points: int = 50, gain: float = 0.1) -> None:
-        """As for `gp` and `observer`. Raises Unavailable without scikit-learn."""
+    @validate_call
+    def __init__(self, points: Points = 50, gain: Gain = 0.1, training: Positive = 12.0) -> None:
+        """As for `gp` and `observer`. Raises Unavailable without scikit-learn, BadInput for more points than samples."""
         need("sklearn", "residual=gp_observer")
-        self.points, self.gain = points, gain
+        self.points, self.gain, self.training = enough(points, training), gain, training
 
     def learn(self, flights: Sequence[Sequence[Sample]]) -> Learned:
         """Fit; raises BadInput without samples."""

@@ -8,6 +8,7 @@ from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import validate_call
 
 from benchbench.flight.extra import need
 from benchbench.flight.filmed import Filmed, Scene
@@ -18,6 +19,7 @@ from benchbench.flight.rig import Rig
 from benchbench.flight.world import STEP, Actuators, Truth, World
 from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
+from benchbench.ocp.scenario import NonNegative
 from benchbench_plugins.worlds.devices import Devices
 from benchbench_plugins.worlds.mjcf import TIP, Ball, mjcf
 from benchbench_plugins.worlds.rendering import pictures
@@ -36,7 +38,8 @@ class Mujoco(World, Filmed):
     servo_stiffness, servo_damping   N m/rad and N m s/rad of the servo's own loop
     """
 
-    def __init__(self, servo_stiffness: float = 6.0, servo_damping: float = 0.3) -> None:
+    @validate_call
+    def __init__(self, servo_stiffness: NonNegative = 6.0, servo_damping: NonNegative = 0.3) -> None:
         """Keep the gains of the servo. Raises Unavailable without MuJoCo."""
         need("mujoco", "world=mujoco")
         self.servo = (servo_stiffness, servo_damping)

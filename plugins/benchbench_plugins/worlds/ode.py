@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import final
 
 import numpy as np
+from pydantic import validate_call
 
 from benchbench.flight.mismatch import Drawn
 from benchbench.flight.reference import Reference, tip
@@ -14,6 +15,7 @@ from benchbench.flight.statics import mixer
 from benchbench.flight.world import STEP, Actuators, Truth, World
 from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
+from benchbench.ocp.scenario import NonNegative
 from benchbench_plugins.worlds.devices import Devices
 from benchbench_plugins.worlds.kane import stepper
 from benchbench_plugins.worlds.surroundings import Surroundings
@@ -31,7 +33,8 @@ class Ode(World):
     So a flight cannot drop the ball or hit the stand here: an oracle of the motion, not of the handover.
     """
 
-    def __init__(self, servo_stiffness: float = 6.0, servo_damping: float = 0.3) -> None:
+    @validate_call
+    def __init__(self, servo_stiffness: NonNegative = 6.0, servo_damping: NonNegative = 0.3) -> None:
         """Gains of the servo, N m/rad and N m s/rad."""
         self.servo = (servo_stiffness, servo_damping)
 
