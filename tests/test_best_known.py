@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gzip
+import re
 import shlex
+import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -15,7 +18,8 @@ from program import assert_refused, records, told
 from benchbench.cli.commands import best
 from benchbench.ground.errors import BadInput
 from benchbench.run import config, pipeline
-from benchbench.storage.best_known import OF_SUITES, BestKnown, net_time, packaged
+from benchbench.run.suites import suite
+from benchbench.storage.best_known import OF_SUITES, BestKnown, beats, net_time, packaged
 from benchbench.storage.files import write_bytes, write_record
 from benchbench.storage.schema import Record, make_record
 
@@ -76,6 +80,79 @@ def test_another_task_is_not_compared(
     base: tuple[str, ...], change: str, keys: dict[tuple[str, ...], str]
 ) -> None:
     assert key(*base, change) != keys[base]
+
+
+READY = ("+scenario=double_integrator",)
+
+
+def ready(*overrides: str) -> str:
+    found = config.compose_any(*overrides).task_hash
+    assert found
+    return found
+
+
+def test_an_mpcc_that_comes_ready_made_is_its_content_and_its_limits() -> None:
+    task = ready(*READY)
+    for how in (
+        "relaxation=direct",
+        "solver=sqpmethod",
+        "strategy=relax",
+        "seed=3",
+        "certificate.stationarity=off",
+        "scenario.distance=1",
+    ):
+        assert ready(*READY, how) == task
+    other = [
+        ready(*READY, what)
+        for what in ("scenario.intervals=49", "scenario.distance=2.0", "certificate.product=1e-3")
+    ]
+    assert len({task, *other, ready("+scenario=zermelo")}) == 5
+
+
+def test_an_mpcc_from_a_file_is_what_the_file_says_packed_or_not(tmp_path: Path) -> None:
+    said = {
+        "a.json": b"{1}",
+        "b.json": b"{1}",
+        "c.json.gz": gzip.compress(b"{1}"),
+        "d.json": b"{2}",
+        "e.json.gz": b"{1}",
+    }
+    for name, data in said.items():
+        (tmp_path / name).write_bytes(data)
+    first, *others = (ready("+scenario=mpcc_file", f"scenario.path={tmp_path / name}") for name in said)
+    assert [one == first for one in others] == [True, True, False, True]
+
+
+def test_objectives_are_compared_by_their_amount() -> None:
+    def found(objective: float, best: float) -> Any:
+        known = BestKnown({"a": {"objective": best, "command": ""}})
+        return known.compare(make_record(objective=objective, certified=True, task_hash="a"))
+
+    assert found(-1.01, -1.0) == {"best_known_objective": -1.0, "gap_percent": pytest.approx(-1.0)}
+    assert found(12.12, 12.0)["gap_percent"] == pytest.approx(1.0)
+    assert found(2e-5, 0.0)["gap_percent"] == pytest.approx(2e-3)  # of 1: products of 1e-7 are allowed
+    assert beats(-1.1, -1.0) and not beats(-1.0 - 1e-7, -1.0) and not beats(-1e-7, 0.0) and beats(-1e-5, 0.0)
+    uncertified = make_record(objective=3.0, certified=False, task_hash="a")
+    assert BestKnown({"a": {"objective": 2.0, "command": ""}}).compare(uncertified) == {
+        "best_known_objective": 2.0
+    }
+
+
+def test_a_solution_tells_its_gap_and_what_is_published_and_is_kept(tmp_path: Path) -> None:
+    task = ("+scenario=double_integrator", "scenario.intervals=6", "scenario.distance=4.0")
+    first = told(tmp_path, *task)
+    assert first.returncode == 0 and "best known" not in first.stdout
+    assert re.search(r"published +4: Bryson & Ho 1975, section 3\.9", first.stdout)
+    kept = told(tmp_path, "best", "results")
+    assert f"double_integrator, {' '.join(task)}: 4, the first" in kept.stdout, kept.stderr
+    again = told(tmp_path, *task, "relaxation=direct")
+    assert "(best known 4, +0.000 %)" in again.stdout
+    (entry,) = yaml.safe_load((tmp_path / "references" / "best_known.yaml").read_text())
+    assert entry["objective"] == pytest.approx(4.0, abs=1e-7) and "travel_time_s" not in entry
+    assert ready(*shlex.split(entry["command"])) == entry["task_hash"]
+    record = max(records(tmp_path), key=lambda one: one["started_at"])
+    assert record["best_known_objective"] == entry["objective"] and record["best_known_s"] is None
+    assert record["published_objective"] == 4.0
 
 
 def test_a_track_is_what_its_file_says_and_not_its_path(tmp_path: Path) -> None:
@@ -186,7 +263,7 @@ def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
 
     A field with a new default may orphan them: run them again, or fix `task_hash`.
     """
-    known = list(BestKnown.load(packaged()).entries.values())
+    known = [e for e in BestKnown.load(packaged()).entries.values() if "travel_time_s" in e]
     entries = {(e["scenario"], e["dynamics"]): e for e in known}
     flights = {n for n in config.choices("scenario") if not n.startswith(("random_", "hardware_"))}
     flights -= {
@@ -198,6 +275,7 @@ def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
         "cart_pole",
         "goddard",
         "obstacle_car",
+        "quadrotor_flip",
         "robot_arm",
         "steering",
     }  # they are no flights
@@ -209,6 +287,23 @@ def test_values_that_come_with_benchbench_belong_to_their_commands() -> None:
         assert case.task_hash == entry["task_hash"]
         assert (case.scenario.name, case.scenario.grid_intervals) == (entry["scenario"], entry["intervals"])
         assert case.limits == limits(entry["scenario"])
+
+
+def test_objectives_that_come_with_benchbench_belong_to_their_commands(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of all classics and pympcc's problems, and of the example that stands beside the package."""
+    examples = Path(__file__).resolve().parents[1] / "examples"
+    monkeypatch.setattr(sys, "path", [*sys.path, str(examples / "block_and_wall")])
+    entries = [e for e in BestKnown.load(packaged()).entries.values() if "objective" in e]
+    by_name = {e["scenario"]: e for e in entries}
+    assert {*suite("classics")[1].scenario, "block_and_wall", "kth1", "bilevel1"} <= by_name.keys()
+    for entry in by_name.values():
+        command = shlex.split(entry["command"])
+        if command[0] == "--config-dir":
+            command = [*command[2:], f"hydra.searchpath=['file://{examples.parent / command[1]}']"]
+        case = config.compose_any(*command)
+        assert (case.task_hash, case.scenario.name) == (entry["task_hash"], entry["scenario"])
 
 
 def test_values_of_suites_belong_to_their_commands() -> None:

@@ -17,6 +17,7 @@ from sharing import Once
 from test_report import RUNS, report_on_a_sweep
 from test_table import row
 
+from benchbench.certificate.limits import Limits
 from benchbench.run.recertify import ours, recertify
 from benchbench.storage.bundle import FORMAT, MANIFEST, opened
 from benchbench.storage.configuration import configuration
@@ -135,10 +136,10 @@ def test_no_word_of_a_bundle_is_believed(shared: Path, tmp_path: Path) -> None:
 def test_limits_are_ours_whatever_comes_with_a_plan(shared: Path) -> None:
     folder = next(path.parent for path in (shared / "results" / "sweeps").rglob("plan.mcap"))
     tree = (configuration(folder) or {})["certificate"]
-    assert ours(tree)[0] == "task" and ours(tree)[2] == ()
-    assert ours({**tree, "node": 1.0})[2] == ("node",)
+    assert ours(tree, Limits)[0] == "task" and ours(tree, Limits)[2] == ()
+    assert ours({**tree, "node": 1.0}, Limits)[2] == ("node",)
     race = {**tree, "gate_position": 0.01, "defect_position": 1e-3, "defect_angle": 1e-2, "rate_ratio": 1.01}
-    assert ours(race)[0] == "race"
+    assert ours(race, Limits)[0] == "race"
 
 
 def test_what_cannot_be_judged_is_said_not_raised(shared: Path, tmp_path: Path) -> None:
@@ -158,6 +159,50 @@ def test_what_cannot_be_judged_is_said_not_raised(shared: Path, tmp_path: Path) 
     (broken / "config.yaml").write_text(text)
     (broken / "plan.mcap").write_bytes(b"none")
     assert "cannot be certified here" in recertify(broken).said
+
+
+def test_solutions_are_judged_again_and_evaluated(tmp_path: Path) -> None:
+    """A lie about the objective, then about the unknowns; a problem whose file may do anything is not read."""
+    assert (
+        told(tmp_path, "-m", "+scenario=double_integrator", "scenario.intervals=4,6", "workers=1").returncode
+        == 0
+    )
+    assert told(tmp_path, "bundle", "results", "--output", "honest.zip").returncode == 0
+    files = contents(tmp_path / "honest.zip")
+    names = [name for name in sorted(files) if name.endswith("record.json")]
+    for name in names:
+        files[name] = json.dumps({**json.loads(files[name]), "objective": 0.5}).encode()
+    solution = names[1].replace("record", "solution")
+    files[solution] = json.dumps(
+        {"w": [[0.9 * x for x in row] for row in json.loads(files[solution])["w"]]}
+    ).encode()
+    written(tmp_path / "lie.zip", listed_anew(files))
+    found = table(tmp_path, "lie.zip").sort_values("certified", ascending=False)
+    assert found.certified.tolist() == [True, False] and found.certificate.tolist() == [
+        "certified anew by the limits of 'mpcc'", "refused anew by the limits of 'mpcc'",
+    ]  # fmt: skip
+    assert (
+        found.objective.tolist()[0] == pytest.approx(2.0)
+        and "original problem" in found.reasons.tolist()[1][0]
+    )
+    done = told(tmp_path, "report", "lie.zip", "--leaderboard")
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "leaderboard.html").read_text()
+    assert page.count('class="best"') == 1 and "objective" in page
+    (shown,) = (tmp_path / "leaderboard_plans").iterdir()
+    assert shown.suffix == ".json" and shown.name in page
+
+
+def test_a_stored_problem_is_read_only_where_nothing_can_happen(tmp_path: Path) -> None:
+    target = "benchbench_plugins.collections.nosbench.MpccFile"
+    (tmp_path / "solution.json").write_text('{"w": [[1.0]]}')
+    for scenario, says in (
+        (f"{{_target_: {target}, path: p.json, trust: true}}", "scenario.trust: stands in a stored configuration"),
+        (f"{{_target_: {target}, path: /nowhere/p.json}}", "there is no such file"), ("{_target_: os.system}", "installed plugin"),
+    ):  # fmt: skip
+        (tmp_path / "config.yaml").write_text(f"scenario: {scenario}\ncertificate: {{residual: 1.0}}\n")
+        found = recertify(tmp_path)
+        assert found.certified is None and says in found.said
 
 
 def grown(files: Files) -> Files:

@@ -6,6 +6,7 @@ from math import asinh, hypot, sqrt
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 from scipy.spatial import ConvexHull
 
@@ -88,6 +89,28 @@ def test_the_pole_swings_up_with_second_order_from_above() -> None:
     assert coarse > middle > fine
     assert (coarse - middle) / (middle - fine) == pytest.approx(4.0, abs=0.3)
     assert fine - (middle - fine) / 3 == pytest.approx(58.839, rel=1e-3)
+
+
+def test_the_quadrotor_flips_over_and_its_inputs_lead_there() -> None:
+    """No published number: the held inputs flown by another integrator end where they must, and refining converges from above."""
+    run = bb.plan("+scenario=quadrotor_flip", "scenario.intervals=20", "certificate.stationarity=off")
+    assert run.solution is not None
+    w = run.solution["w"].ravel()
+    held, way = (
+        w[106:].reshape(20, 2),
+        lambda _, x, u: [x[2], x[3], u[0] * np.sin(x[4]), u[0] * np.cos(x[4]) - 9.81, u[1]],
+    )
+    state = np.zeros(5)
+    for u in held:
+        state = solve_ivp(way, (0, w[0] / 20), state, args=(u,), rtol=1e-10, atol=1e-12).y[:, -1]
+    np.testing.assert_allclose(state, [0, 2.7, 0, 0, 2 * np.pi], atol=2e-3)
+    assert (
+        held[:, 0].min() >= 1 - 1e-7
+        and held[:, 0].max() <= 20 + 1e-6
+        and np.abs(held[:, 1]).max() <= 10 + 1e-6
+    )
+    coarse, fine = w[0], solved("quadrotor_flip", 100)
+    assert 2 * np.pi / 10 < fine < coarse < 1.002 * fine
 
 
 def test_the_car_drives_tangent_arc_tangent() -> None:

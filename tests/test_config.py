@@ -18,12 +18,12 @@ EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "own_config"
 
 # overrides, field that the message names, what it must say besides
 REFUSED = [
-    ("", "scenario", "+scenario=NAME with NAME one of block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
+    ("", "scenario", "+scenario=NAME with NAME one of block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, quadrotor_flip, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
     ("solver=ipopt", "scenario", "none was chosen"),
     ("scenario.kappa_init=3", "scenario", "none was chosen"),
-    ("+scenario=triangle", "scenario", "'triangle' does not exist; allowed: block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
+    ("+scenario=triangle", "scenario", "'triangle' does not exist; allowed: block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, quadrotor_flip, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
     ("scenario=circle", "scenario", "+scenario=circle"),
-    ("+scenario=handover", "scenario", "not a scenario; allowed: block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
+    ("+scenario=handover", "scenario", "not a scenario; allowed: block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, quadrotor_flip, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
     ("+scenario=static +scenario=circle", "scenario", "chosen twice"),
     ("+scenario=static guess=previous", "guess.path", "is not given and has no default; allowed: guess.path=VALUE"),
     ("+scenario=static solver=simplex", "solver", "'simplex' does not exist; allowed: "),

@@ -13,6 +13,7 @@ from benchbench.analysis.varied import slacks, varied
 from benchbench.report.html.charts import drift, profiles, slack
 from benchbench.report.html.charts.chart import counting, figure, styles
 from benchbench.report.html.charts.travel_time import chart as over
+from benchbench.report.html.objective_table import objective_rows
 from benchbench.report.html.plans.limits import limits
 from benchbench.report.panel import Curve, Panel, dashes
 from benchbench.storage.convergence import parsed, text
@@ -25,6 +26,31 @@ class Solve:
     stage: str
     total: float
     trace: tuple[tuple[float, float], ...]
+
+
+def test_problems_that_are_no_flight_have_a_table() -> None:
+    same = {"problem": "zermelo, N=50", "vehicle": None, "intervals": None, "mpcc_hash": "a", "best_known_objective": 5.0,
+            "published_objective": 4.5, "published_source": "a book", "solve_s": 0.5}  # fmt: skip
+    runs = pd.DataFrame([
+        {**same, "method": "a", "certified": True, "objective": 5.5, "gap_percent": 10.0},
+        {**same, "method": "a", "certified": True, "objective": 5.0, "gap_percent": 0.0},
+        {**same, "method": "b", "certified": False, "objective": 1.0, "gap_percent": None},
+        {**same, "method": "a", "certified": True, "objective": 2.0, "gap_percent": None, "vehicle": "table1", "intervals": 100},
+    ])  # fmt: skip
+    first, second = objective_rows(runs)
+    assert (first.objective, first.gap, first.best_known, first.published, first.source) == (
+        "5",
+        "+0.000 %",
+        "5",
+        "4.5",
+        "a book",
+    )
+    assert (first.verdict, first.good, second.objective, second.verdict) == (
+        "2 of 2 certified",
+        True,
+        "",
+        "0 of 1 certified",
+    )
 
 
 def test_convergence_counts_on_from_solve_to_solve() -> None:

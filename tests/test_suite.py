@@ -44,8 +44,19 @@ def row(certified: bool = True, **columns: Any) -> dict[str, Any]:
 
 
 def test_there_are_the_suites_that_the_issue_names() -> None:
-    assert {name: suite(name)[1].count(False) for name in suites()} == SUITES
-    assert {name: suite(name)[1].count(True) for name in suites()} == {n: k // 10 for n, k in SUITES.items()}
+    assert {name: suite(name)[1].count(False) for name in suites()} == SUITES | {"classics": 9}
+    quick = {n: k // 10 for n, k in SUITES.items()} | {"classics": 1}
+    assert {name: suite(name)[1].count(True) for name in suites()} == quick
+
+
+def test_a_suite_may_be_scenarios_by_name(tmp_path: Path) -> None:
+    """They are no flights: what is least is their objective, and there is no proven bound."""
+    file = write(tmp_path, scenario=["block_move", "double_integrator"], seeds=None)
+    assert suite(file)[1].overrides([], quick=True)[0] == "+scenario=block_move"
+    done = told(tmp_path, "suite", file, "scenario.intervals=20")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"objective +median \+0 %, worst \+0 % above the best known of 2 tasks", done.stdout)
+    assert "travel time" not in done.stdout and "proven bound" not in done.stdout
 
 
 @pytest.mark.parametrize("name", SUITES)
@@ -75,6 +86,9 @@ def test_other_tasks_are_no_suite(typed: str) -> None:
         ({"seeds": [3, 1]}, r"seeds: the first seed must not exceed the last"),
         ({"seeds": [-1, 1]}, r"seeds\.0: -1 was given"),
         ({"seed": 3}, r"seed: does not exist, perhaps 'seeds'"),
+        ({"seeds": None}, r"seeds belong to a family"),
+        ({"scenario": ["circle"]}, r"a list of scenarios has none"),
+        ({"scenario": [], "seeds": None}, r"scenario"),
         ({"version": 0}, r"version: 0 was given"),
     ],
 )
@@ -191,7 +205,7 @@ def test_suites_are_listed_with_ones_own(tmp_path: Path) -> None:
     write(tmp_path / "suite")
     done = told(tmp_path, "suite", "--config-dir", str(tmp_path))
     assert done.returncode == 0
-    assert {line.split()[0] for line in done.stdout.splitlines()} == {*SUITES, "tiny"}
+    assert {line.split()[0] for line in done.stdout.splitlines()} == {*SUITES, "classics", "tiny"}
     assert "tiny         version 2, 3 tasks: three tasks" in done.stdout
 
 

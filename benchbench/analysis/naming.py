@@ -38,7 +38,10 @@ def name_runs(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> pd.Dat
     judged = _within(choices["scenario"], settings, lambda name: name.startswith("certificate."))
     method = _join([*_varying({f: choices[f] for f in METHOD}, ("relaxation", "solver")), general])
     task = _join([*_varying({f: choices[f] for f in PROBLEM}, ("scenario",)), judged])
-    numbers = [[_number(label, value) for value in runs[column]] for column, label in NUMBERS.items()]
+    numbers = [
+        [_number(label, _size(value, one, column)) for value, one in zip(runs[column], settings, strict=True)]
+        for column, label in NUMBERS.items()
+    ]
     keep = numbers[:2] + ([numbers[2]] if len(set(numbers[2])) > 1 else [])
     problem = _join([task, *keep], ", ")
     return runs.assign(method=method, task=task, problem=problem)
@@ -87,6 +90,12 @@ def _varying(names: Mapping[str, list[str]], otherwise: Sequence[str]) -> list[l
     """The columns of names that differ between runs, or those in `otherwise` if none does."""
     varying = [column for column in names.values() if len(set(column)) > 1]
     return varying or [names[family] for family in otherwise]
+
+
+def _size(value: Any, one: Settings | None, column: str) -> Any:
+    """A number of the table, or what the scenario says: an MPCC that is no flight has no grid, but may have a size of that name."""
+    told = (one or {}).get(f"scenario.{column}") if pd.isna(value) else value
+    return told if isinstance(told, int | float) else None
 
 
 def _number(label: str, value: Any) -> str:

@@ -10,7 +10,7 @@ from statistics import median
 from typing import Any
 
 from benchbench.analysis.wilson import Rate, wilson
-from benchbench.storage.best_known import beats, net_time
+from benchbench.storage.best_known import beats, cost
 
 CPU = ("build_cpu_s", "solve_cpu_s", "certificate_cpu_s")
 MOST = 0.95
@@ -81,8 +81,9 @@ def above_bound(row: Row, level: bool = False) -> float | None:
 
 
 def _better(row: Row) -> bool:
-    time = net_time(row)
-    return bool(row["task_hash"]) and time is not None and beats(time, row["best_known_s"])
+    found = cost(row)
+    best = row["best_known_s"] if row["best_known_s"] is not None else row.get("best_known_objective")
+    return bool(row["task_hash"]) and found is not None and beats(found, best)
 
 
 def _at(costs: Sequence[float], share: float) -> float | None:

@@ -41,7 +41,7 @@ def compare_runs(one: str, other: str, output: Path) -> str:
     rows = [load(folder).record for folder in folders]
     table = _grid("", one, other, "B against A")
     if rows[0]["task_hash"] != rows[1]["task_hash"]:
-        print("another task, grid or transcription: their travel times answer different questions")
+        print("another task, grid or transcription: their results answer different questions")
     for name, a, b in _chosen(rows, [configuration(folder) or {} for folder in folders]):
         table.add_row(name, a, b, "")
     table.add_row("[bold]verdict", *(_verdict(row) for row in rows), "", style="bold")

@@ -128,6 +128,8 @@ def _corrected(record: Record, anew: Anew | None) -> dict[str, Any]:
     if not record["certified"]:
         return record
     corrected = {**record, "travel_time_s": anew.travel_time}
+    if anew.objective is not None:
+        corrected["objective"] = anew.objective
     if anew.certified:
         return corrected
     return {

@@ -1,4 +1,4 @@
-"""What a leaderboard shows, gathered from bundles and folders: only plans that were certified again here."""
+"""What a leaderboard shows, gathered from bundles and folders: only plans and solutions that were certified again here."""
 
 from __future__ import annotations
 
@@ -23,9 +23,10 @@ from benchbench.ground.errors import BadInput
 from benchbench.report.html.leaderboard import Board, Entry, Place
 from benchbench.report.html.page import PlanView
 from benchbench.run.failure import reason
+from benchbench.storage.best_known import gap
 from benchbench.storage.bundle import OVERRIDES
 from benchbench.storage.configuration import configuration, read
-from benchbench.storage.files import PLAN, write_bytes
+from benchbench.storage.files import PLAN, SOLUTION, write_bytes
 from benchbench.storage.settings import SettingsReader
 from benchbench.storage.table import frame
 
@@ -36,13 +37,14 @@ GRADES = "certificate."
 
 @dataclass(frozen=True)
 class _Run:
-    """A run that may be on the board, by its row."""
+    """A run that may be on the board, by its row; `value` is its travel time in s, or the objective of a problem that is no flight."""
 
     row: int
     method: str
     asked: str
     certified: bool
-    travel_time: float
+    value: float
+    flies: bool
     why: str
 
 
@@ -65,10 +67,11 @@ def board(
     named = named.assign(solve_s=solve_time(named))
     runs = list(_runs(found, named))
     names = _task_names(runs, named, settings)
-    best = {(r.method, r.asked): r for r in sorted(runs, key=lambda r: -r.travel_time) if r.certified}
+    best = {(r.method, r.asked): r for r in sorted(runs, key=lambda r: -r.value) if r.certified}
     solved = [asked for asked in names if any(a == asked for _, a in best)]
-    fastest = {asked: min(r.travel_time for (_, a), r in best.items() if a == asked) for asked in solved}
-    shown = {r.row for r in sorted(best.values(), key=lambda r: r.travel_time / fastest[r.asked])[:most]}
+    fastest = {asked: min(r.value for (_, a), r in best.items() if a == asked) for asked in solved}
+    flights = [r for r in best.values() if r.flies]
+    shown = {r.row for r in sorted(flights, key=lambda r: gap(r.value, fastest[r.asked]))[:most]}
     entries = {}
     for number, (key, run) in enumerate(best.items()):
         hear(f"plan {number + 1} of {len(best)}")
@@ -90,8 +93,9 @@ def _runs(found: Gathered, named: pd.DataFrame) -> Iterator[_Run]:
     for row, (anew, method) in enumerate(zip(found.anew, named.method, strict=True)):
         if anew is not None and anew.certified is not None:
             why = "; ".join(anew.reasons or reasons[row] or [anew.said])
-            time = anew.travel_time if anew.travel_time is not None else math.inf
-            yield _Run(row, method, anew.asked, anew.certified, time, why)
+            told = anew.travel_time if anew.objective is None else anew.objective
+            value = math.inf if told is None else told
+            yield _Run(row, method, anew.asked, anew.certified, value, anew.objective is None, why)
 
 
 def _task_names(
@@ -120,17 +124,17 @@ def _entry(
     drawn: bool,
 ) -> Entry:
     folder = Path(found.folders[run.row] or "")
-    data = (folder / PLAN).read_bytes()
+    data = (folder / (PLAN if run.flies else SOLUTION)).read_bytes()
     digest = hashlib.sha256(data).hexdigest()
     anchor = (
         re.sub(r"[^\w.-]+", "-", f"{task}-{run.method}".replace("κ", "kappa"), flags=re.ASCII).strip("-")[:80]
         + f"-{digest[:8]}"
     )
-    file = plans / f"{anchor}.mcap"
+    file = plans / f"{anchor}{'.mcap' if run.flies else '.json'}"
     write_bytes(file, data)
     record = found.rows.slice(run.row, 1).to_pylist(maps_as_pydicts="strict")[0]
     return Entry(
-        anchor, run.method, task, run.travel_time, run.travel_time == fastest, 100 * (run.travel_time / fastest - 1),
+        anchor, run.method, task, run.value, run.flies, run.value == fastest, gap(run.value, fastest),
         _command(folder), file.relative_to(page.parent).as_posix(), digest, _facts(run.row, found, named, record),
         yaml.safe_dump(configuration(folder), sort_keys=False), _view(record, task, run, folder) if drawn else None,
     )  # fmt: skip

@@ -21,7 +21,7 @@ from benchbench.sweep.sweep import Swept
 FOLDER = "suites"
 """In the folder of results."""
 COLUMNS = (
-    "scenario", "status", "reasons", "certified", "travel_time_s", "reward_s", "best_known_s", "gap_percent", "lower_bound_s", "limited_by", "level_bound_s", *CPU,
+    "scenario", "status", "reasons", "certified", "travel_time_s", "reward_s", "objective", "intervals", "best_known_s", "best_known_objective", "gap_percent", "lower_bound_s", "limited_by", "level_bound_s", *CPU,
     "task_hash", "config_hash", "run_id",
 )  # fmt: skip
 """What the file says of each task."""
@@ -84,7 +84,8 @@ def command(one: Swept) -> str:
 
 
 def _text(how: Sequence[str], told: Outcome, tasks: Sequence[Task]) -> Iterator[str]:
-    yield from (f"{label:<13}  {text}" for label, text in _lines(how, told).items())
+    what = "travel time" if any(row and row["intervals"] is not None for _, row in tasks) else "objective"
+    yield from (f"{label:<13}  {text}" for label, text in _lines(how, told, what).items())
     for one, row in tasks:
         if row is None or row["certified"] is not True:
             yield f"{command(one)}  # {row['status'] if row else 'bad_input'}: {why(row)}"
@@ -97,18 +98,22 @@ def why(row: Row | None) -> str:
     return " ".join(reasons[0].split()) + more if reasons else "it was refused, see above"
 
 
-def _lines(how: Sequence[str], told: Outcome) -> dict[str, str]:
+def _lines(how: Sequence[str], told: Outcome, what: str) -> dict[str, str]:
+    """What is said of a method; what: that which is to be least. Problems that are no flights have no proven bound."""
     rate = told.certified
     interval = f"95 % Wilson interval {100 * rate.low:.1f} to {100 * rate.high:.1f} %"
     rest = ", ".join(f"{count} {status}" for status, count in told.statuses.items() if status != "certified")
     within = f"95 % within {_said(told.cpu_most_s, 's')}"
+    bound = {
+        "proven bound": f"median {_said(told.bound_median, '%', '+')} above that of {told.bounded} tasks, "
+        f"{_said(told.level_median, '%', '+')} above that of level flights"
+    }
     return {
         "method": " ".join(how) or "as the program has it",
         "certified": f"{rate.successes} of {rate.runs}  ({interval}){f'; {rest}' if rest else ''}",
         "CPU": f"median {_said(told.cpu_median_s, 's')}, {within}  (build, solve and check)",
-        "travel time": _compared(told),
-        "proven bound": f"median {_said(told.bound_median, '%', '+')} above that of {told.bounded} tasks, "
-        f"{_said(told.level_median, '%', '+')} above that of level flights",
+        what: _compared(told),
+        **(bound if what == "travel time" else {}),
     }
 
 

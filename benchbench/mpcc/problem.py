@@ -8,7 +8,7 @@ a block addresses unknowns by variable name and position, never by a global inde
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
@@ -216,6 +216,15 @@ class Mpcc:
         """Cut a stacked vector (n,) into named arrays of each variable's shape."""
         parts = np.split(np.asarray(x, float), np.cumsum([v.size for v in self.variables])[:-1])
         return {v.name: part.reshape(v.guess.shape) for v, part in zip(self.variables, parts, strict=True)}
+
+    def stacked(self, values: Mapping[str, Array]) -> Array:
+        """Stack named arrays of each variable's shape, (n,): what `split` cuts. Raises ValueError for one that is missing or of another shape."""
+        if missing := [v.name for v in self.variables if v.name not in values]:
+            raise ValueError(f"it has no '{missing[0]}'")
+        for v in self.variables:
+            if values[v.name].shape != v.guess.shape:
+                raise ValueError(f"'{v.name}' has the shape {values[v.name].shape}, not {v.guess.shape}")
+        return _stack(values[v.name] for v in self.variables)
 
     def start_from(self, values: dict[str, Array]) -> Mpcc:
         """Return the same problem with other guesses (clipped into the bounds) for the named variables."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
@@ -23,6 +24,23 @@ class ReadyMade(ABC):
     @abstractmethod
     def mpcc(self) -> Mpcc:
         """Return the problem, guessed as the collection says; raises BadInput where it cannot be read."""
+
+
+@dataclass(frozen=True)
+class Published:
+    """An optimum that somebody published: the objective, and where it stands."""
+
+    objective: float
+    source: str
+
+
+class PublishedProblem(ReadyMade):
+    """One whose optimum is published, beside which ours is shown."""
+
+    @property
+    @abstractmethod
+    def published(self) -> Published | None:
+        """The published optimum, of the whole problem where ours is a discretised one; None for a member of the set without one."""
 
 
 def whole(

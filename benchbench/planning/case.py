@@ -14,7 +14,7 @@ from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.formulation.formulation import Formulation
 from benchbench.ground.errors import IncompatibleCase
 from benchbench.mpcc.problem import Mpcc
-from benchbench.mpcc.ready import ReadyMade
+from benchbench.mpcc.ready import PublishedProblem, ReadyMade
 from benchbench.nlp.homotopy import Solved
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.method import Method
@@ -56,6 +56,8 @@ class AnyCase(Method, ABC):
 
     strategy: Strategy
     limits: ProblemLimits
+    task_hash: str | None = None
+    """What a result may be compared with, see `benchbench.planning.task_hash`."""
 
     @abstractmethod
     def plan(self, ledger: Ledger) -> Result:
@@ -73,14 +75,10 @@ class AnyCase(Method, ABC):
 @final
 @dataclass(frozen=True, kw_only=True)
 class Case(AnyCase, Formulation):
-    """Everything that decides the run of a flight: one choice from every family.
-
-    `task_hash` tells what its travel time may be compared with, see `benchbench.planning.task_hash`.
-    """
+    """Everything that decides the run of a flight: one choice from every family."""
 
     guess: Guess
     limits: Limits
-    task_hash: str | None = None
 
     def plan(self, ledger: Ledger) -> Result:
         """Pose and solve as the strategy does."""
@@ -127,5 +125,7 @@ class ReadyCase(AnyCase):
         return certify_problem(result.solution.residuals, self.limits)
 
     def told(self, result: Result) -> Mapping[str, Any]:
-        """Nothing more: what else a record says is of flights."""
-        return {}
+        """Which problem it is, and its published optimum; what else a record says is of flights."""
+        known = self.scenario.published if isinstance(self.scenario, PublishedProblem) else None
+        told = {"published_objective": known.objective, "published_source": known.source} if known else {}
+        return {"task_hash": self.task_hash, **told}

@@ -1,10 +1,13 @@
-"""What makes two travel times comparable: one hash of the task, the transcription and its grid."""
+"""What makes two travel times comparable: one hash of the task, the transcription and its grid; of an MPCC, of its content."""
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import inspect
+import io
 import json
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,10 +16,11 @@ from hydra.utils import get_object
 from omegaconf import DictConfig, OmegaConf
 
 from benchbench.ocp.kinds import fields_of, kind_of
+from benchbench.ocp.sizes import JSON_BYTES
 
 LABELS = ("name",)
-FILES = (".csv", ".yaml", ".yml")
-"""Suffixes of files that hold a part of a task: a track, the motion of a target."""
+FILES = (".csv", ".yaml", ".yml", ".json", ".json.gz")
+"""Suffixes of files that hold a part of a task: a track, the motion of a target, an MPCC; by what they say, packed or not."""
 
 
 def task_hash(cfg: DictConfig) -> str:
@@ -24,23 +28,31 @@ def task_hash(cfg: DictConfig) -> str:
 
     Read from scenario, vehicle, dynamics and certificate of a composed configuration. What has no part in it: names,
     guesses and margins of the planner, whether and how long stationarity is looked for, and how the problem is solved. A field at its
-    class's default counts as left out, so that a new field with a default changes nothing.
+    class's default counts as left out, so that a new field with a default changes nothing. An MPCC that comes ready-made is its class
+    with what that is given, files by what they say, and the limits.
     """
     tree: Any = OmegaConf.to_container(cfg, resolve=True)
     content = {
         **_asked(tree),
-        "dynamics": _content(tree["dynamics"]),
+        **({} if _ready(tree["scenario"]) else {"dynamics": _content(tree["dynamics"])}),
         "certificate": _without(_content(tree["certificate"]), ("stationarity", "stationarity_seconds")),
     }
     return _hash(content)
 
 
 def asked_hash(cfg: DictConfig) -> str:
-    """Return the hash of what is flown alone, of scenario and vehicle: methods of all transcriptions may be compared on it."""
+    """Return the hash of what is asked alone, of scenario and vehicle: methods of all transcriptions may be compared on it."""
     return _hash(_asked(OmegaConf.to_container(cfg, resolve=True)))
 
 
+def _ready(scenario: Any) -> bool:
+    """Whether a scenario's configuration is that of an MPCC that comes ready-made: it names its class."""
+    return "_target_" in scenario
+
+
 def _asked(tree: Any) -> dict[str, Any]:
+    if _ready(tree["scenario"]):
+        return {"scenario": _without(_content(tree["scenario"]), LABELS)}
     scenario, kind = fields_of(tree["scenario"]), kind_of(tree["scenario"])
     return {
         "scenario": _without(_content(scenario, _defaults(kind)), (*kind.planning, *LABELS)),
@@ -63,8 +75,21 @@ def _content(value: Any, defaults: Mapping[str, Any] | None = None) -> Any:
     if isinstance(value, list | tuple):
         return [_content(one) for one in value]
     if isinstance(value, str | Path) and str(value).endswith(FILES) and Path(value).is_file():
-        return hashlib.sha256(Path(value).read_bytes()).hexdigest()
+        return hashlib.sha256(_said(Path(value))).hexdigest()
     return float(value) if isinstance(value, int) and not isinstance(value, bool) else value
+
+
+def _said(file: Path) -> bytes:
+    """What a file says, unpacked; one that is damaged or unpacks to too much stands for itself, and its reader tells."""
+    packed = file.read_bytes()
+    if file.suffix != ".gz":
+        return packed
+    try:
+        with gzip.open(io.BytesIO(packed)) as stream:
+            found = stream.read(JSON_BYTES + 1)
+    except (OSError, EOFError, zlib.error):
+        return packed
+    return packed if len(found) > JSON_BYTES else found
 
 
 _NOTHING = object()

@@ -135,7 +135,9 @@ def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:
     }  # fmt: skip
     if isinstance(parts["scenario"], ReadyMade):
         ready = parts["scenario"]
-        return ReadyCase(scenario=ready, names={"scenario": ready.name, **names}, **how)
+        return ReadyCase(
+            scenario=ready, names={"scenario": ready.name, **names}, task_hash=task_hash(cfg), **how
+        )
     return replace(_flight(parts, names, how), task_hash=task_hash(cfg))
 
 

@@ -1,4 +1,4 @@
-"""A stored plan judged again here, whoever made it and whatever its record says: by our limits and the task it says it is for."""
+"""A stored plan or solution judged again here, whoever made it and whatever its record says: by our limits and the task it says it is for."""
 
 from __future__ import annotations
 
@@ -7,24 +7,25 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import hydra
 from omegaconf import OmegaConf
 from pydantic import ValidationError
 
-from benchbench.certificate.certify import certify
-from benchbench.certificate.limits import Limits
+from benchbench.certificate.certify import certify, certify_problem
+from benchbench.certificate.limits import Limits, ProblemLimits
 from benchbench.ground.errors import BadInput, BenchBenchError
+from benchbench.mpcc.residuals import residuals
 from benchbench.ocp.reading import plain_yaml
 from benchbench.planning.task_hash import asked_hash
 from benchbench.run import trust
 from benchbench.run.choices import choices
 from benchbench.run.config import folder as conf
 from benchbench.run.failure import reason
-from benchbench.run.stored import SCENE, scene_parts
+from benchbench.run.stored import SCENE, problem_of, scene_parts
 from benchbench.storage.configuration import configuration
-from benchbench.storage.files import PLAN
+from benchbench.storage.files import PLAN, SOLUTION, read_solution
 from benchbench.storage.playback import read_mcap
 
 NO_PART = ("_target_", "stationarity", "stationarity_seconds")
@@ -39,7 +40,8 @@ class Anew:
     """What came out; without a certificate of ours `certified` is None and `said` why there is none.
 
     said    in words, also which of its own limits were not used
-    asked   hash of scenario and vehicle, of what is flown
+    asked   hash of scenario and vehicle, of what is flown or solved
+    travel_time, objective  of the plan, or of the solution of an MPCC that is no flight, evaluated here
     """
 
     certified: bool | None
@@ -47,14 +49,15 @@ class Anew:
     reasons: tuple[str, ...] = ()
     travel_time: float | None = None
     asked: str = ""
+    objective: float | None = None
 
 
 def recertify(folder: Path | None, refused: bool = False) -> Anew:
-    """Judge the plan in a run's folder; raises nothing for whatever lies there.
+    """Judge the plan or solution in a run's folder; raises nothing for whatever lies there.
 
-    refused: where it was made, which is believed, so that it is not flown again.
+    refused: where it was made, which is believed, so that it is not judged again.
     """
-    if folder is None or not (folder / PLAN).is_file():
+    if folder is None or not any((folder / name).is_file() for name in (PLAN, SOLUTION)):
         return Anew(None, "there is no plan to certify")
     try:
         tree = configuration(folder)
@@ -62,41 +65,59 @@ def recertify(folder: Path | None, refused: bool = False) -> Anew:
             return Anew(None, "its configuration is missing, so nobody knows what was asked")
         if refused:
             return Anew(False, REFUSED, asked=_asked(tree))
-        return _judged(folder, tree)
+        return _flown(folder, tree) if (folder / PLAN).is_file() else _solved(folder, tree)
     except (BenchBenchError, OSError, ValueError) as error:
         return Anew(None, f"it cannot be certified here: {reason(error)}")
     except Exception as error:  # noqa: BLE001  # of another version, or of somebody who means ill
         return Anew(None, f"it cannot be certified here: {reason(error)}")
 
 
-def ours(tree: Any) -> tuple[str, Limits, tuple[str, ...]]:
+L = TypeVar("L", bound=ProblemLimits)
+
+
+def ours(tree: Any, kind: type[L]) -> tuple[str, L, tuple[str, ...]]:
     """Return the limits that come with BenchBench and are nearest to some of a stored configuration, by name, and what differs.
 
-    They replace them: a plan is not judged by limits that come with it. Raises BadInput where there are none.
+    They replace them: a plan is not judged by limits that come with it. kind: of limits. Raises BadInput where there are none.
     """
+    shipped = {name: limits for name, limits in _shipped().items() if type(limits) is kind}
     if not isinstance(tree, Mapping):
-        raise BadInput("certificate", "is missing", "task, race")
+        raise BadInput("certificate", "is missing", ", ".join(shipped))
     given = {str(name): value for name, value in tree.items()}
     with suppress(BenchBenchError, ValidationError):  # what is left out there has a default
         trust.check(given, "certificate")
-        given = Limits(**{name: value for name, value in given.items() if name != "_target_"}).model_dump()
-    differing = {name: _differing(given, limits.model_dump()) for name, limits in _shipped().items()}
+        given = kind(**{name: value for name, value in given.items() if name != "_target_"}).model_dump()
+    differing = {name: _differing(given, limits.model_dump()) for name, limits in shipped.items()}
     nearest = min(differing, key=lambda name: len(differing[name]))
-    return nearest, _shipped()[nearest], differing[nearest]
+    return nearest, shipped[nearest], differing[nearest]
 
 
 def _differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(sorted(key for key in {*one, *other} - {*NO_PART} if one.get(key) != other.get(key)))
 
 
-def _judged(folder: Path, tree: Mapping[str, Any]) -> Anew:
+def _flown(folder: Path, tree: Mapping[str, Any]) -> Anew:
     scenario, model = scene_parts(tree)
-    name, limits, differing = ours(tree.get("certificate"))
+    name, limits, differing = ours(tree.get("certificate"), Limits)
     plan = read_mcap(folder / PLAN).plan
     found = certify(plan, scenario, model, limits)
-    instead = f", instead of its own {', '.join(differing)}" if differing else ""
-    said = f"{'certified' if found.certified else 'refused'} anew by the limits of '{name}'{instead}"
+    said = _said(found.certified, name, differing)
     return Anew(found.certified, said, found.reasons, plan.travel_time, _asked(tree))
+
+
+def _solved(folder: Path, tree: Mapping[str, Any]) -> Anew:
+    """By the residuals of the problem that its configuration names; what it costs is evaluated here, too."""
+    asked, mpcc = _asked(tree), problem_of(tree).mpcc()
+    name, limits, differing = ours(tree.get("certificate"), ProblemLimits)
+    found = residuals(mpcc, mpcc.stacked(read_solution(folder)))
+    judged = certify_problem(found, limits)
+    said = _said(judged.certified, name, differing)
+    return Anew(judged.certified, said, judged.reasons, asked=asked, objective=found.cost)
+
+
+def _said(certified: bool, name: str, differing: tuple[str, ...]) -> str:
+    instead = f", instead of its own {', '.join(differing)}" if differing else ""
+    return f"{'certified' if certified else 'refused'} anew by the limits of '{name}'{instead}"
 
 
 def _asked(tree: Mapping[str, Any]) -> str:
@@ -108,13 +129,13 @@ def _asked(tree: Mapping[str, Any]) -> str:
 
 
 @cache
-def _shipped() -> dict[str, Limits]:
-    """Our limits of flights by name."""
+def _shipped() -> dict[str, ProblemLimits]:
+    """Our limits by name."""
     found = {}
     with hydra.initialize_config_dir(conf(), version_base="1.3"):
         for name in choices("certificate"):
             tree = plain_yaml(OmegaConf.to_yaml(hydra.compose(f"certificate/{name}").certificate))
             made = hydra.utils.instantiate(tree, _convert_="all")
-            if isinstance(made, Limits):
+            if isinstance(made, ProblemLimits):
                 found[name] = made
     return found

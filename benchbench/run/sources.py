@@ -10,6 +10,7 @@ from typing import Any, final
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.certify import certify
 from benchbench.certificate.replay import Replay
+from benchbench.ground.arrays import Array
 from benchbench.ground.errors import BadInput
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
@@ -20,7 +21,16 @@ from benchbench.run.stored import limits, scene_parts
 from benchbench.run.summary import flies
 from benchbench.run.view import Source
 from benchbench.storage.configuration import PLACES, configuration
-from benchbench.storage.files import CONFIG, PICTURE, PLAN, RECORD, SOLUTION, vacate, write_bytes
+from benchbench.storage.files import (
+    CONFIG,
+    PICTURE,
+    PLAN,
+    RECORD,
+    SOLUTION,
+    read_solution,
+    vacate,
+    write_bytes,
+)
 from benchbench.storage.playback import Recording, read_mcap
 from benchbench.storage.schema import Record
 
@@ -40,6 +50,11 @@ class Live(Source):
     def plan(self) -> Plan | None:
         """Return it."""
         return self.done.result.planned
+
+    def solution(self) -> dict[str, Array] | None:
+        """Return it."""
+        result = self.done.result
+        return None if isinstance(self.done.case, Case) else result.mpcc.split(result.solved.x)
 
     def certificate(self) -> Certificate:
         """Return it."""
@@ -70,6 +85,15 @@ class Stored(Source):
         if not flies(self.record) and not (self.folder / PLAN).exists():
             return None
         return self._recording.plan
+
+    def solution(self) -> dict[str, Array] | None:
+        """Read it."""
+        if flies(self.record):
+            return None
+        try:
+            return read_solution(self.folder)
+        except ValueError as error:
+            raise BadInput(str(self.folder), str(error), f"the folder of a run with its {SOLUTION}") from None
 
     def certificate(self) -> Certificate:
         """Judge the plan again."""

@@ -31,6 +31,14 @@ def scene_parts(tree: Mapping[str, Any]) -> tuple[Scenario, Model]:
     return scenario_of(scenario), model
 
 
+def problem_of(tree: Mapping[str, Any]) -> ReadyMade:
+    """Make the scenario of an MPCC that came ready-made. Raises BadInput."""
+    found = _make(tree, "scenario")
+    if not isinstance(found, ReadyMade):
+        raise BadInput("scenario", "is a flight", "a problem that comes ready-made")
+    return found
+
+
 def limits(tree: Mapping[str, Any]) -> Limits:
     """Make the limits that a flight is judged by. Raises BadInput."""
     made = _make(tree, "certificate")

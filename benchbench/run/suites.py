@@ -1,14 +1,14 @@
-"""Suites: named, versioned sweeps over the seeds of a family of tasks, one YAML file each in `conf/suite`."""
+"""Suites: named, versioned sweeps over the seeds of a family of tasks, or over several scenarios, one YAML file each in `conf/suite`."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from omegaconf import OmegaConf
 from omegaconf.errors import OmegaConfBaseException
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 from yaml import YAMLError  # type: ignore[import-untyped]
 
 from benchbench.ground.errors import BadInput, invalid, unknown_choice
@@ -17,7 +17,7 @@ from benchbench.run.overrides import keys
 
 GROUP = "suite"
 QUICK = 10
-"""A quick suite has one of so many seeds."""
+"""A quick suite has one of so many tasks."""
 
 
 def _increasing(pair: tuple[int, int]) -> tuple[int, int]:
@@ -34,8 +34,8 @@ class Suite(BaseModel):
 
     title     one line
     version   of its tasks: other tasks are another version
-    scenario  the family
-    seeds     first and last
+    scenario  the family, or a list of scenarios
+    seeds     first and last, of a family
     fixed     overrides of every run
     """
 
@@ -43,14 +43,19 @@ class Suite(BaseModel):
 
     title: str
     version: Annotated[int, Field(ge=1)]
-    scenario: str
-    seeds: Annotated[tuple[Seed, Seed], AfterValidator(_increasing)]
+    scenario: str | Annotated[tuple[str, ...], Field(min_length=1)]
+    seeds: Annotated[tuple[Seed, Seed], AfterValidator(_increasing)] | None = None
     fixed: tuple[str, ...] = ()
 
+    @model_validator(mode="after")
+    def _seeded(self) -> Self:
+        if (self.seeds is None) == isinstance(self.scenario, str):
+            raise ValueError("seeds belong to a family, which is one scenario; a list of scenarios has none")
+        return self
+
     def count(self, quick: bool) -> int:
-        """Return how many seeds there are; quick: a tenth of them, one at least."""
-        first, last = self.seeds
-        whole = last - first + 1
+        """Return how many tasks there are; quick: a tenth of them, one at least."""
+        whole = len(self.scenario) if self.seeds is None else self.seeds[1] - self.seeds[0] + 1
         return max(1, whole // QUICK) if quick else whole
 
     def overrides(self, more: Sequence[str], quick: bool = False) -> list[str]:
@@ -61,12 +66,16 @@ class Suite(BaseModel):
         asked = keys(more)
         for key in ("scenario", "seed", "scenario.family.seed"):
             if key in asked:
-                allowed = f"a sweep, -m +scenario={self.scenario} {key}=..."
-                raise BadInput(key, "is what a suite says", allowed)
-        first = self.seeds[0]
-        seeds = f"seed=range({first},{first + self.count(quick)})"
+                one = self.scenario if isinstance(self.scenario, str) else self.scenario[0]
+                raise BadInput(key, "is what a suite says", f"a sweep, -m +scenario={one} {key}=...")
         fixed = [text for text in self.fixed if not keys([text]) & asked]
-        return [f"+scenario={self.scenario}", seeds, *fixed, *more]
+        return [*self._tasks(quick), *fixed, *more]
+
+    def _tasks(self, quick: bool) -> list[str]:
+        count = self.count(quick)
+        if self.seeds is None:
+            return [f"+scenario={','.join(self.scenario[:count])}"]
+        return [f"+scenario={self.scenario}", f"seed=range({self.seeds[0]},{self.seeds[0] + count})"]
 
 
 def suites(own: str | None = None) -> dict[str, Path]:

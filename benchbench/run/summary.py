@@ -96,10 +96,12 @@ def _solution(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     """What there is to say of the solution of an MPCC that is no flight."""
     residuals = (f"{_number(r['max_violation'], '.1e', '')}violated, "
                  f"largest product of a pair {_number(r['max_product'], '.1e', '')}")  # fmt: skip
-    lines: list[tuple[str, Text | str]] = [
-        ("objective", _number(r["objective"], ".8g", "")),
-        ("residuals", residuals),
-    ]
+    lines: list[tuple[str, Text | str]] = [("objective", f"{_number(r['objective'], '.8g', '')}{_known(r)}")]
+    if r["published_objective"] is not None:
+        lines.append(("published", f"{r['published_objective']:.8g}: {r['published_source']}"))
+    if new_best(r):
+        lines.append(_new_best(r, "than any certified solution before"))
+    lines.append(("residuals", residuals))
     if r["stationarity"] is not None:
         text = f"{r['stationarity']}, B-stationary: {r['b_stationary']}"
         lines.append(("stationary", f"{text} (KKT residual {_number(r['kkt_residual'], '.1e', '')})"))
@@ -113,8 +115,7 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         *_limited(r),
     ]  # fmt: skip
     if new_best(r):
-        less = Text(f"{-r['gap_percent']:.2g} % less than any certified plan before", style="bold green")
-        lines.append(("new best", less))
+        lines.append(_new_best(r, "than any certified plan before"))
     if r["costs"]:
         lines.append(("costs", _costs(r["costs"])))
     if r["contact_start_s"] is not None:
@@ -203,12 +204,25 @@ def new_best(r: Mapping[str, Any]) -> bool:
     return r["gap_percent"] is not None and r["gap_percent"] < -100 * SAME
 
 
+def _new_best(r: Mapping[str, Any], than: str) -> tuple[str, Text]:
+    return "new best", Text(f"{-r['gap_percent']:.2g} % less {than}", style="bold green")
+
+
 def _best(r: Mapping[str, Any]) -> str:
     if r["best_known_s"] is None:
         return ""
-    gap = "" if r["gap_percent"] is None else f", {r['gap_percent']:+.3f} %"
     less = ", rewards taken off," if r["reward_s"] else ", costs added," if r["costs"] else ""
-    return f"; best known{less} {r['best_known_s']:.4f} s{gap}"
+    return f"; best known{less} {r['best_known_s']:.4f} s{_above(r)}"
+
+
+def _known(r: Mapping[str, Any]) -> str:
+    best = r["best_known_objective"]
+    return "" if best is None else f"  (best known {best:.8g}{_above(r)})"
+
+
+def _above(r: Mapping[str, Any]) -> str:
+    """How far above the best known value."""
+    return "" if r["gap_percent"] is None else f", {r['gap_percent']:+.3f} %"
 
 
 def _size(r: Mapping[str, Any]) -> str:

@@ -52,6 +52,9 @@ def _check_node(node: dict[Any, Any], place: str, families: Collection[str]) -> 
     for key in SPECIAL:
         if key in node:
             raise BadInput(f"{place}.{key}", "stands in a stored configuration", "nothing but values")
+    if node.get("trust"):
+        problem = "stands in a stored configuration: nobody here said that its file may do anything"
+        raise BadInput(f"{place}.trust", problem, "false")
     checks = node.get("checks")
     for name in checks if isinstance(checks, dict) else ():
         if "." in str(name):

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.replay import Replay
+from benchbench.ground.arrays import Array
 from benchbench.ground.errors import BadInput, BenchBenchError
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
@@ -33,6 +34,10 @@ class Source(ABC):
     @abstractmethod
     def plan(self) -> Plan | None:
         """Return the plan, None for a run that was no flight."""
+
+    @abstractmethod
+    def solution(self) -> dict[str, Array] | None:
+        """Return the unknowns by name, None for a flight."""
 
     @abstractmethod
     def certificate(self) -> Certificate:
@@ -77,6 +82,14 @@ class RunView:
         Raises BadInput where a stored flight has no recording that can be read, Unavailable without the package mcap.
         """
         return self.source.plan()
+
+    @property
+    def solution(self) -> dict[str, Array] | None:
+        """The unknowns of a problem that was no flight, by name, each (rows, columns); None for a flight.
+
+        Raises BadInput where a stored run has none that can be read.
+        """
+        return self.source.solution()
 
     @property
     def certificate(self) -> Certificate:

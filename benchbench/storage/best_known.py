@@ -1,7 +1,8 @@
-"""The best certified travel time known for each task, and the command that gives it: `references/best_known.yaml`."""
+"""The best certified travel time (of an MPCC: objective) known for each task, and the command that gives it: `references/best_known.yaml`."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,7 +20,9 @@ BEST_KNOWN, REFERENCES = "best_known.yaml", "references"
 OF_SUITES = "best_known_suites.yaml"
 """Name of the file with the tasks of suites, of which there are many."""
 SAME = 1e-6
-"""Relative difference up to which two travel times are the same."""
+"""Relative difference up to which two travel times or objectives are the same."""
+SMALL = 1e-3
+"""Objectives below it are compared in units of 1: a certified pair may have G H = 1e-7, which moves an objective by the root of that."""
 IDENTITY = ("scenario", "kappa_init", "vehicle", "dynamics", "intervals")
 """What people call the task; entries are ordered by it, and `task_hash` decides."""
 FOUND = (
@@ -28,7 +31,8 @@ FOUND = (
 )  # fmt: skip
 """Columns of the record that say what found the plan, and when."""
 HEAD = """# Best certified travel time known for each task, transcription and grid; `benchbench best DIR` updates it.
-# `command` behind `python -m benchbench` gives it again. travel_time_s has the rewards of optional stops taken off.
+# `command` behind `python -m benchbench` gives it again. travel_time_s has the rewards of optional stops taken off;
+# a problem that is no flight has its objective instead.
 """
 
 KnownValue = dict[str, Any]
@@ -36,7 +40,7 @@ KnownValue = dict[str, Any]
 
 @dataclass(frozen=True)
 class BestKnown:
-    """Entries by `task_hash`; each has `travel_time_s` and `command` at least."""
+    """Entries by `task_hash`; each has `travel_time_s` or `objective`, and `command` at least."""
 
     entries: Mapping[str, KnownValue]
 
@@ -47,18 +51,20 @@ class BestKnown:
         for path in files:
             for entry in _read(path):
                 old = entries.get(entry["task_hash"])
-                if old is None or entry["travel_time_s"] < old["travel_time_s"]:
+                if old is None or value(entry) < value(old):
                     entries[entry["task_hash"]] = entry
         return cls(entries)
 
     def compare(self, record: Record) -> dict[str, float]:
-        """Return the record's columns `best_known_s` and, of a certified plan, `gap_percent` to 1e-6 %."""
-        if record["task_hash"] not in self.entries:
+        """Return the record's column `best_known_s` or `best_known_objective` and, where it is certified, `gap_percent` to 1e-6 %."""
+        one = self.entries.get(record["task_hash"])
+        if one is None:
             return {}
-        best, time = float(self.entries[record["task_hash"]]["travel_time_s"]), net_time(record)
-        if time is None or not record["certified"]:
-            return {"best_known_s": best}
-        return {"best_known_s": best, "gap_percent": round(100 * (time / best - 1), 6) + 0.0}  # never -0.0
+        best, found = value(one), cost(record)
+        told = {"best_known_s" if "travel_time_s" in one else "best_known_objective": best}
+        if found is None or not record["certified"]:
+            return told
+        return {**told, "gap_percent": round(gap(found, best), 6) + 0.0}  # never -0.0
 
     def save(self, path: Path) -> None:
         """Write all entries, ordered by what people call the task; raises BadInput when the disk refuses."""
@@ -90,22 +96,46 @@ def net_time(record: Mapping[str, Any]) -> float | None:
     )
 
 
-def beats(time: float, best: float | None) -> bool:
-    """Whether a travel time is better than the best known one, by more than `SAME`."""
-    return best is None or time < best * (1 - SAME)
+def cost(record: Mapping[str, Any]) -> float | None:
+    """What is to be least: the travel time of a flight as `net_time`, the objective of a ready-made MPCC, which has no time grid."""
+    if record["travel_time_s"] is not None:
+        return net_time(record)
+    found: float | None = record.get("objective") if record.get("intervals") is None else None
+    return found
+
+
+def value(one: KnownValue) -> float:
+    """Return the value of an entry, be it travel time or objective."""
+    return float(one["travel_time_s"] if "travel_time_s" in one else one["objective"])
+
+
+def beats(found: float, best: float | None) -> bool:
+    """Whether a travel time or an objective is better than the best known one, by more than `SAME`."""
+    return best is None or found < best - SAME * _unit(best)
+
+
+def gap(found: float, best: float) -> float:
+    """How far a travel time or an objective is above the best known one, %."""
+    return 100 * (found - best) / _unit(best)
+
+
+def _unit(best: float) -> float:
+    """What differences from the best known value are measured by."""
+    return abs(best) if abs(best) >= SMALL else 1.0
 
 
 def entry(record: Record, command: str) -> KnownValue:
     """Return what is stored of a certified record with a `task_hash`."""
     said = {name: record[name] for name in (*IDENTITY, *FOUND) if record[name] is not None}
     identity = {name: said.pop(name) for name in IDENTITY if name in said}
-    found = {"travel_time_s": net_time(record), "command": command}
+    name = "objective" if record["travel_time_s"] is None else "travel_time_s"
+    found = {name: cost(record), "command": command}
     return {**identity, **found, "task_hash": record["task_hash"], **said}
 
 
 def _order(one: KnownValue) -> tuple[tuple[bool, str, float], ...]:
     """Texts by alphabet, numbers by size, what is missing first."""
-    values = (one.get(name) for name in IDENTITY)
+    values = [*(one.get(name) for name in IDENTITY), one["command"] if "objective" in one else None]
     return tuple(
         (v is not None, "", v) if isinstance(v, int) else (v is not None, v or "", 0) for v in values
     )
@@ -120,9 +150,7 @@ def _read(path: Path) -> Iterable[KnownValue]:
     except (OSError, yaml.YAMLError) as error:
         raise BadInput(str(path), f"cannot be read: {str(error).splitlines()[0]}") from None
     if not isinstance(found, list) or not all(map(_complete, found)):
-        allowed = (
-            "a list of entries with task_hash, travel_time_s > 0 and command, as `benchbench best` writes it"
-        )
+        allowed = "a list of entries with task_hash, command and travel_time_s > 0 or objective, as `benchbench best` writes it"
         raise BadInput(str(path), "is no file of best known values", allowed)
     return found
 
@@ -136,5 +164,9 @@ def _parsed(path: Path, changed: int, size: int) -> Any:
 def _complete(one: Any) -> bool:
     if not isinstance(one, dict):
         return False
-    time, texts = one.get("travel_time_s"), (one.get("task_hash"), one.get("command"))
-    return isinstance(time, int | float) and time > 0 and all(isinstance(text, str) for text in texts)
+    if not all(isinstance(one.get(name), str) for name in ("task_hash", "command")):
+        return False
+    time, objective = one.get("travel_time_s"), one.get("objective")
+    if time is None:
+        return isinstance(objective, int | float) and math.isfinite(objective)
+    return isinstance(time, int | float) and time > 0

@@ -12,8 +12,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from benchbench.ground.arrays import Array
 from benchbench.ground.errors import BadInput
+from benchbench.ocp.reading import content
+from benchbench.ocp.sizes import JSON_BYTES
 
 RECORD, PLAN, SOLUTION, PICTURE, CONFIG, FLIGHTS, FLIGHTS_PICTURE, FLIGHT = (
     "record.json",
@@ -74,6 +78,16 @@ def write_solution(folder: Path, values: Mapping[str, Array]) -> Path:
     path = folder / SOLUTION
     write_bytes(path, (json.dumps({name: rows.tolist() for name, rows in values.items()}) + "\n").encode())
     return path
+
+
+def read_solution(folder: Path) -> dict[str, Array]:
+    """Read what `write_solution` wrote, as arrays of two dimensions. Raises ValueError for what is no such file."""
+    try:
+        told = json.loads(content(folder / SOLUTION, SOLUTION, JSON_BYTES, "unknowns by name"))
+        return {str(name): np.array(rows, dtype=float, ndmin=2) for name, rows in told.items()}
+    except (BadInput, ValueError, TypeError, AttributeError, OverflowError, RecursionError) as error:
+        said = " ".join(str(error).split()) or type(error).__name__
+        raise ValueError(f"its {SOLUTION} cannot be read: {said[:160]}") from None
 
 
 def vacate(folder: Path) -> None:

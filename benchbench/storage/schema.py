@@ -60,7 +60,7 @@ COLUMNS: tuple[Column, ...] = (
     Column("intervals", "int", "", "N, number of intervals of the time grid", GRID),
     Column("kappa_init", "int", "", "number of consecutive nodes asked to be in contact", GRID),
     Column("seed", "int", "", "seed of every random number of the run", SEED),
-    Column("task_hash", "str", "", "hash of task, limits, transcription and grid; equal hash means travel times may be compared"),
+    Column("task_hash", "str", "", "hash of task, limits, transcription and grid, of a ready-made MPCC of its content and limits; equal hash means results may be compared"),
     # how it ended
     Column("status", "str", "", "typed outcome: " + ", ".join(Status)),
     Column("claimed_success", "bool", "", "the solver says it succeeded"),
@@ -82,7 +82,10 @@ COLUMNS: tuple[Column, ...] = (
     Column("refinement", "strings", "", "what each round of strategy=auto, or each grid of strategy=refine, gave; empty for others"),
     Column("conflict", "str", "", "what conflicts most where strategy=auto found no feasible plan, no proof; empty otherwise"),
     Column("best_known_s", "float", "s", "best certified travel time known for this task_hash when the run began, rewards taken off"),
-    Column("gap_percent", "float", "%", "how far a certified plan is above best_known_s, its rewards taken off; negative: it beats it"),
+    Column("gap_percent", "float", "%", "how far a certified plan is above best_known_s, its rewards taken off; negative: it beats it; of a ready-made MPCC above best_known_objective, in units of its amount (of 1 where that is below 1e-3)"),
+    Column("best_known_objective", "float", "", "best certified objective known for this task_hash when the run began, of a ready-made MPCC"),
+    Column("published_objective", "float", "", "published optimum of a ready-made MPCC, of the whole problem where this is a discretised one; empty where none is known"),
+    Column("published_source", "str", "", "where it is published"),
     # what it cost
     Column("iterations", "int", "", "solver iterations, summed over all solves of the run"),
     Column("evaluations", "int", "", "calls of objective, constraints and their derivatives, summed over all solves"),

@@ -15,12 +15,14 @@ if TYPE_CHECKING:
     from benchbench.storage.best_known import KnownValue
     from benchbench.storage.schema import Record
 
-EPILOG = """Only certified plans count, and only those better by more than 1e-6 of the travel time. A plan whose command line
-does not give its task again (own YAML, another default) is left out and named.
+EPILOG = """Only certified plans count, and only those better by more than 1e-6 of the travel time; of an MPCC that comes ready-made its
+objective. A plan whose command line does not give its task again (another default, own YAML without --config-dir) is left out and
+named; so is one of a class that is not installed.
 
 examples
   benchbench best results/runs/2026-01-01/12-00-00-000000
   benchbench best results --file mine.yaml
+  benchbench best results --config-dir examples/block_and_wall/conf
 
 Runs look up the file that comes with BenchBench, references/best_known.yaml and best_known.yaml in their folder of
 results (`output`).
@@ -35,7 +37,7 @@ def run(arguments: Sequence[str]) -> int:
     entries = dict(BestKnown.load(asked.file).entries)
     changed = 0
     for record, folder in _runs(asked.folders):
-        new = _better(record, folder, entries)
+        new = _better(record, folder, entries, asked.config_dir)
         if new is not None:
             print(_told(new, entries.get(new["task_hash"])))
             entries[new["task_hash"]] = new
@@ -46,16 +48,17 @@ def run(arguments: Sequence[str]) -> int:
     return 0
 
 
-def _better(record: Record, folder: Path, entries: dict[str, KnownValue]) -> KnownValue | None:
+def _better(
+    record: Record, folder: Path, entries: dict[str, KnownValue], own: Path | None
+) -> KnownValue | None:
     """What a certified record adds to the entries, None where it adds nothing."""
-    from benchbench.storage.best_known import beats, entry, net_time
+    from benchbench.storage.best_known import beats, cost, entry, value
 
-    old, time = entries.get(record["task_hash"]), net_time(record)
-    best = None if old is None else float(old["travel_time_s"])
-    if time is None or not beats(time, best):
+    old, found = entries.get(record["task_hash"]), cost(record)
+    if found is None or not beats(found, None if old is None else value(old)):
         return None
     try:
-        return entry(record, _command(record, folder))
+        return entry(record, _command(record, folder, own))
     except BadInput as error:
         complain("left out", str(error))
         return None
@@ -75,10 +78,10 @@ def _runs(folders: Sequence[Path]) -> Iterator[tuple[Record, Path]]:
     yield from ((r, f) for r, f in runs if r["certified"] and r["task_hash"])
 
 
-def _command(record: Record, folder: Path) -> str:
-    """Overrides that give the record's task again; raises BadInput where they do not."""
-    from benchbench.planning.case import Case
+def _command(record: Record, folder: Path, own: Path | None) -> str:
+    """Overrides that give the record's task again, with the folder of own configuration in front; raises BadInput where they do not."""
     from benchbench.run import config
+    from benchbench.run.overrides import quoted
     from benchbench.run.settings import NOT_DECISIVE
     from benchbench.storage.configuration import read
 
@@ -99,20 +102,25 @@ def _command(record: Record, folder: Path) -> str:
             raise BadInput(
                 str(folder), f"its override '{text}' is no plain value, so it is not composed again"
             )
-    case = config.compose_any(*told, stored=True)
-    if not isinstance(case, Case) or case.task_hash != record["task_hash"]:
+    search = [f"hydra.searchpath=[{quoted(f'file://{own.absolute()}')}]"] if own else []
+    if config.compose_any(*told, *search, stored=True).task_hash != record["task_hash"]:
         raise BadInput(str(folder), f"'{shlex.join(told)}' is another task than the one of this run")
-    return shlex.join(told)
+    return shlex.join([*(("--config-dir", str(own)) if own else ()), *told])
 
 
 def _told(new: KnownValue, old: KnownValue | None) -> str:
-    kappa = f", kappa_init = {new['kappa_init']}" if "kappa_init" in new else ""
-    what = (
-        f"{new['scenario']}, {new['dynamics']}, N = {new['intervals']}{kappa}: {new['travel_time_s']:.6f} s"
-    )
+    from benchbench.storage.best_known import gap, value
+
+    if "objective" in new:
+        what, unit = f"{new['scenario']}, {new['command']}: {new['objective']:.8g}", ""
+    else:
+        kappa = f", kappa_init = {new['kappa_init']}" if "kappa_init" in new else ""
+        what = f"{new['scenario']}, {new['dynamics']}, N = {new['intervals']}{kappa}: {new['travel_time_s']:.6f} s"
+        unit = " s"
     if old is None:
         return f"{what}, the first"
-    return f"{what}, was {old['travel_time_s']:.6f} s ({100 * (new['travel_time_s'] / old['travel_time_s'] - 1):+.4f} %)"
+    was = f"{value(old):.6f} s" if unit else f"{value(old):.8g}"
+    return f"{what}, was {was} ({gap(value(new), value(old)):+.4f} %)"
 
 
 def parser() -> Parser:
@@ -123,4 +131,10 @@ def parser() -> Parser:
     )
     default = Path("references", "best_known.yaml")
     takes.add_argument("--file", type=Path, default=default, help=f"what is updated (default: {default})")
+    takes.add_argument(
+        "--config-dir",
+        type=Path,
+        metavar="DIR",
+        help="the folder of your own configuration that the runs were made with",
+    )
     return takes

@@ -10,11 +10,13 @@ from benchbench.report.html.page import PlanView, environment, plotly_library, s
 
 @dataclass(frozen=True)
 class Entry:
-    """The best certified plan of a method on a task.
+    """The best certified plan of a method on a task, or its best solution of a problem that is no flight.
 
     anchor       its name within the page
-    best         whether none on this task is faster
-    above        how much slower than the fastest, %
+    value        travel time in s of a plan, objective of a solution
+    flies        whether it is a plan
+    best         whether none on this task is faster, or has a lower objective
+    above        how much slower than the fastest, or above the lowest, %
     command      overrides that plan it, "" where they were not kept
     plan         where its file lies, relative to the page
     plan_sha256  of that file
@@ -26,7 +28,8 @@ class Entry:
     anchor: str
     method: str
     task: str
-    travel_time: float
+    value: float
+    flies: bool
     best: bool
     above: float
     command: str
@@ -35,6 +38,11 @@ class Entry:
     facts: Mapping[str, str]
     config: str
     view: PlanView | None = None
+
+    @property
+    def number(self) -> str:
+        """Its value, without a unit."""
+        return f"{self.value:.4f}" if self.flies else f"{self.value:.7g}"
 
 
 @dataclass(frozen=True)
@@ -73,7 +81,7 @@ class Board:
         """All of them, task by task, the fastest first."""
         found = [place.entry for _, places in self.rows for place in places if place.entry]
         order = {name: i for i, (name, _) in enumerate(self.tasks)}
-        return sorted(found, key=lambda one: (order[one.task], one.travel_time))
+        return sorted(found, key=lambda one: (order[one.task], one.value))
 
 
 def render(board: Board) -> str:

@@ -35,6 +35,7 @@ from benchbench.report.html.charts import (
 )
 from benchbench.report.html.charts import success as successes
 from benchbench.report.html.charts.chart import Chart, styles
+from benchbench.report.html.objective_table import objective_rows
 from benchbench.report.html.race_table import race_rows
 from benchbench.storage.status import Status
 
@@ -109,6 +110,7 @@ def render(report: Report) -> str:
             success_rows=tables.success_rows(some),
             race_gates=race_gates,
             race_rows=raced,
+            objective_rows=objective_rows(some),
             means=means,
             means_note=means_note,
             table=tables.run_table(rows),

@@ -9,13 +9,13 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.mpcc.ready import ReadyMade
+from benchbench.mpcc.ready import Published, PublishedProblem
 from benchbench_plugins.collections.shooting import Classic, transcribed
 
 
 @final
 @dataclass(frozen=True)
-class BlockMove(ReadyMade):
+class BlockMove(PublishedProblem):
     """A block of 1 kg from rest to rest, 1 m in 1 s, with the least integral of u^2; it is 12, at u = 6 - 12 t (Kelly 2017).
 
     M. Kelly, "An Introduction to Trajectory Optimization", SIAM Review 59(4), 2017, section 3 (doi:10.1137/16M1062569).
@@ -28,6 +28,11 @@ class BlockMove(ReadyMade):
     def name(self) -> str:
         """Name of the problem."""
         return "block_move"
+
+    @property
+    def published(self) -> Published:
+        """The published optimum, with inputs that are free at all times."""
+        return Published(12.0, "Kelly, SIAM Review 59(4), 2017, section 3")
 
     def mpcc(self) -> Mpcc:
         """Return it with its inputs held."""

@@ -9,13 +9,13 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.mpcc.ready import ReadyMade
+from benchbench.mpcc.ready import Published, PublishedProblem
 from benchbench_plugins.collections.shooting import Classic, transcribed
 
 
 @final
 @dataclass(frozen=True)
-class DoubleIntegrator(ReadyMade):
+class DoubleIntegrator(PublishedProblem):
     """From rest to rest over `distance` (m) in least time with |u| <= 1 m/s^2: T = 2 sqrt(distance) (Bryson & Ho 1975).
 
     A. E. Bryson, Y.-C. Ho, "Applied Optimal Control", section 3.9. With an even number of intervals the switch in the
@@ -29,6 +29,11 @@ class DoubleIntegrator(ReadyMade):
     def name(self) -> str:
         """Name of the problem."""
         return "double_integrator"
+
+    @property
+    def published(self) -> Published:
+        """The published optimum, with inputs that are free at all times."""
+        return Published(2 * self.distance**0.5, "Bryson & Ho 1975, section 3.9")
 
     def mpcc(self) -> Mpcc:
         """Return it with its inputs held."""

@@ -9,7 +9,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.mpcc.ready import ReadyMade
+from benchbench.mpcc.ready import Published, PublishedProblem
 from benchbench_plugins.collections.shooting import Classic, transcribed
 
 DRAG, DECAY, EXHAUST, THRUST = 310.0, 500.0, 0.5, 3.5
@@ -18,7 +18,7 @@ DRAG, DECAY, EXHAUST, THRUST = 310.0, 500.0, 0.5, 3.5
 
 @final
 @dataclass(frozen=True)
-class Goddard(ReadyMade):
+class Goddard(PublishedProblem):
     """Greatest height h of a rocket that burns 0.4 of its mass: 1.01283, of which the radius of the earth is 1 (COPS 3.0, problem 10).
 
     E. D. Dolan, J. J. More, T. S. Munson, "Benchmarking Optimization Software with COPS 3.0", ANL/MCS-TM-273, 2004. Thrust is singular
@@ -31,6 +31,11 @@ class Goddard(ReadyMade):
     def name(self) -> str:
         """Name of the problem."""
         return "goddard"
+
+    @property
+    def published(self) -> Published:
+        """The published optimum, with inputs that are free at all times."""
+        return Published(-1.01283, "COPS 3.0, problem 10")
 
     def mpcc(self) -> Mpcc:
         """Return it with the thrust held."""

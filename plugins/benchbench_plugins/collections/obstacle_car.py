@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.mpcc.ready import ReadyMade
+from benchbench.mpcc.ready import Published, PublishedProblem
 from benchbench_plugins.collections.shooting import Classic, transcribed
 
 WAY, ASIDE, TURN = 2.0, 0.5, 2.0
@@ -22,7 +22,7 @@ LEAST = 2 * sqrt(FAR**2 - 1) + pi - 2 * atan2(ASIDE, WAY) - 2 * acos(1 / FAR)
 
 @final
 @dataclass(frozen=True)
-class ObstacleCar(ReadyMade):
+class ObstacleCar(PublishedProblem):
     """Least time around a disc of radius 1 with speed 1 and a turning radius of 1/2, headings free: 4.12848, in closed form (Dubins 1957).
 
     L. E. Dubins, "On curves of minimal length with a constraint on average curvature", American Journal of Mathematics 79(3), 1957
@@ -35,6 +35,11 @@ class ObstacleCar(ReadyMade):
     def name(self) -> str:
         """Name of the problem."""
         return "obstacle_car"
+
+    @property
+    def published(self) -> Published:
+        """The published optimum, with inputs that are free at all times."""
+        return Published(LEAST, "Dubins 1957, in closed form")
 
     def mpcc(self) -> Mpcc:
         """Return it with the steering held."""

@@ -11,7 +11,7 @@ from pydantic.dataclasses import dataclass
 
 from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.mpcc.problem import Mpcc
-from benchbench.mpcc.ready import ReadyMade, whole
+from benchbench.mpcc.ready import Published, PublishedProblem, whole
 
 EXPONENTIAL = ("scholtes1", "scholtes2")
 """Problems whose G calls math.exp, which takes floats only: G = -exp(x_0) + x_1 - exp(x_2)."""
@@ -19,7 +19,7 @@ EXPONENTIAL = ("scholtes1", "scholtes2")
 
 @final
 @dataclass(frozen=True)
-class PympccSet(ReadyMade):
+class PympccSet(PublishedProblem):
     """One of the thirteen small MPCCs of pympcc (kth1, ralph1, bard1, ...), most of them from MacMPEC.
 
     problem: its name
@@ -32,16 +32,24 @@ class PympccSet(ReadyMade):
         """Name of the problem."""
         return self.problem
 
+    @property
+    def published(self) -> Published:
+        """The optimum that pympcc says; raises as `mpcc`."""
+        return Published(float(self._spec().f_opt), "pympcc, benchmarks")
+
     def mpcc(self) -> Mpcc:
         """Trace its Python functions with CasADi symbols; raises Unavailable, BadInput."""
+        return _convert(self.problem, self._spec().problem)
+
+    def _spec(self) -> Any:
         try:
             from pympcc.benchmarks import ALL_PROBLEMS
         except ImportError:
             raise Unavailable("pympcc is not installed; remedy: pip install benchbench[pympcc]") from None
-        found = {spec.name: spec.problem for spec in ALL_PROBLEMS}
+        found = {spec.name: spec for spec in ALL_PROBLEMS}
         if self.problem not in found:
             raise BadInput("scenario.problem", f"'{self.problem}' does not exist", ", ".join(found))
-        return _convert(self.problem, found[self.problem])
+        return found[self.problem]
 
 
 def _convert(name: str, p: Any) -> Mpcc:

@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.mpcc.ready import ReadyMade
+from benchbench.mpcc.ready import Published, PublishedProblem
 from benchbench_plugins.collections.shooting import Classic, transcribed
 
 LENGTH = 5.0
@@ -19,7 +19,7 @@ LENGTH = 5.0
 
 @final
 @dataclass(frozen=True)
-class RobotArm(ReadyMade):
+class RobotArm(PublishedProblem):
     """Least time to turn by 120 degrees with an arm that may draw itself in: 9.14093 at 800 intervals (COPS 3.0, problem 8).
 
     E. D. Dolan, J. J. More, T. S. Munson, "Benchmarking Optimization Software with COPS 3.0", ANL/MCS-TM-273, 2004. All three motors
@@ -32,6 +32,11 @@ class RobotArm(ReadyMade):
     def name(self) -> str:
         """Name of the problem."""
         return "robot_arm"
+
+    @property
+    def published(self) -> Published:
+        """The published optimum, with inputs that are free at all times."""
+        return Published(9.14093, "COPS 3.0, problem 8")
 
     def mpcc(self) -> Mpcc:
         """Return it with the motors held."""

@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.mpcc.ready import ReadyMade
+from benchbench.mpcc.ready import Published, PublishedProblem
 from benchbench_plugins.collections.shooting import Classic, transcribed
 
 THRUST = 100.0
@@ -19,7 +19,7 @@ THRUST = 100.0
 
 @final
 @dataclass(frozen=True)
-class Steering(ReadyMade):
+class Steering(PublishedProblem):
     """Least time to height 5 and speed (45, 0) from rest, thrust 100 at any angle: 0.554571 (COPS 3.0, problem 9; Bryson & Ho 1975).
 
     E. D. Dolan, J. J. More, T. S. Munson, "Benchmarking Optimization Software with COPS 3.0", ANL/MCS-TM-273, 2004.
@@ -31,6 +31,11 @@ class Steering(ReadyMade):
     def name(self) -> str:
         """Name of the problem."""
         return "steering"
+
+    @property
+    def published(self) -> Published:
+        """The published optimum, with inputs that are free at all times."""
+        return Published(0.554571, "COPS 3.0, problem 9")
 
     def mpcc(self) -> Mpcc:
         """Return it with the angle held."""

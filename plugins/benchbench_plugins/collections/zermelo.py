@@ -10,7 +10,7 @@ from pydantic import Field
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
-from benchbench.mpcc.ready import ReadyMade
+from benchbench.mpcc.ready import Published, PublishedProblem
 from benchbench_plugins.collections.shooting import Classic, transcribed
 
 FIRST, LAST = radians(105.0), radians(240.0)
@@ -21,7 +21,7 @@ TIME = tan(LAST) - tan(FIRST)
 
 @final
 @dataclass(frozen=True)
-class Zermelo(ReadyMade):
+class Zermelo(PublishedProblem):
     """Least time to the origin with speed 1 in the current u = -y, from (3.66, -1.86): T = tan 240 - tan 105 degrees = 5.464.
 
     A. E. Bryson, Y.-C. Ho, "Applied Optimal Control", 1975, section 2.7, example 2, with h = V = 1. The start is the closed
@@ -34,6 +34,11 @@ class Zermelo(ReadyMade):
     def name(self) -> str:
         """Name of the problem."""
         return "zermelo"
+
+    @property
+    def published(self) -> Published:
+        """The published optimum, with inputs that are free at all times."""
+        return Published(TIME, "Bryson & Ho 1975, section 2.7")
 
     def mpcc(self) -> Mpcc:
         """Return it with the heading held."""
