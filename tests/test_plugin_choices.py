@@ -21,7 +21,7 @@ MODULE = '''
 """A stranger's relaxations and contact."""
 from dataclasses import dataclass, field
 import numpy as np
-from benchbench import Contact, Relaxation, Relaxed
+from benchbench import Contact, Cost, Relaxation, Relaxed
 
 class Plain:
     def __init__(self, needed, share=0.5, names=("a", "b"), own=object(), _hidden=1, *rest, **more):
@@ -33,6 +33,24 @@ class Theirs(Relaxation):
     table: dict = field(default_factory=lambda: {"a": [1, 2]})
     def relax(self, g, h, sigma, kind, gap):
         return Relaxed(g * h - sigma, (-np.inf,), (0.0,))
+
+class Toll(Cost):
+    noun = "toll"
+    def __init__(self, weight):
+        self.weight = weight
+    def rate(self, model, q, v, u):
+        raise NotImplementedError
+    def spent(self, plant, q, v, u):
+        raise NotImplementedError
+
+class Never(Contact):
+    noun, aside, reach, kept = "height", "above the ground", None, "always"
+    def __init__(self, limit=0.2):
+        self.limit = limit
+    def condition(self, model, node, target):
+        raise NotImplementedError
+    def gap(self, plant, q, v, target_position, target_velocity):
+        raise NotImplementedError
 
 class Ground(Contact):
     noun, aside, reach = "height", "above the ground", None
@@ -55,6 +73,9 @@ number = strangers_module:__name__
 twice = strangers_module:Theirs
 [benchbench.contacts]
 ground = strangers_module:Ground
+never = strangers_module:Never
+[benchbench.costs]
+toll = strangers_module:Toll
 """
 
 
@@ -151,6 +172,25 @@ def test_a_contact_is_chosen_by_name(strangers: Path, tmp_path: Path) -> None:
     for scenario in (asked, mine):
         assert list(scenario.contacts) == ["position", "velocity", "heading", "ground"]
         assert type(scenario.contacts["ground"]).__name__ == "Ground"
+
+
+def test_obstacles_and_costs_are_chosen_by_name_as_contacts_are(strangers: Path) -> None:
+    asked = [
+        "+scenario/obstacle=never",
+        "scenario.obstacles.never.limit=0.3",
+        "+scenario/cost=toll",
+        "scenario.costs.toll.weight=2",
+    ]
+    scenario = compose(*asked).scenario
+    assert list(scenario.obstacles) == ["never"] and scenario.obstacles["never"].limit == 0.3
+    assert list(scenario.costs) == ["toll"] and scenario.costs["toll"].weight == 2
+    with pytest.raises(BadInput, match=r"scenario\.costs\.toll\.weight: is not given and has no default"):
+        compose("+scenario/cost=toll")
+    with pytest.raises(
+        BadInput,
+        match=r"scenario\.obstacles\.ground: a Ground is kept in contact; allowed: a contact that is kept always",
+    ):
+        compose("+scenario/obstacle=ground")
 
 
 @pytest.mark.parametrize("family", GROUPS)

@@ -84,6 +84,9 @@ def invalid(field: str, error: ValidationError, names: Iterable[str] = ()) -> Ba
             return BadInput(place, "is missing")
         case "extra_forbidden" | "unexpected_keyword_argument":
             return unknown_field(place, names)
+        case "is_instance_of":
+            wanted = f"{{_target_: package.module.Class, ...}} that makes a {first['ctx']['class']}"
+            return BadInput(place, f"{given!r} was given", wanted)
         case _ if text.startswith("Input should be "):
             wanted = text.removeprefix("Input should be ").partition(", unable")[0].partition(", got")[0]
             return BadInput(

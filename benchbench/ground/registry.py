@@ -15,7 +15,7 @@ FAMILIES = (
 )  # fmt: skip
 
 PARTS = ("costs",)
-"""Groups of entry points beside them: what stands in the YAML of a scenario, and no name on the command line chooses."""
+"""Groups of entry points beside them, of which a scenario may have some by name."""
 
 
 @dataclass(frozen=True)

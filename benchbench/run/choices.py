@@ -18,6 +18,8 @@ GROUPS = {
     "payloads": "payload", "predictors": "predictor",
 }  # fmt: skip
 """Where the choices of a family of plugins are. Vehicles and scenarios are numbers, so that theirs are always YAML."""
+EVERY = (*GROUPS.items(), ("costs", "scenario/cost"), ("contacts", "scenario/obstacle"))
+"""The same with what a scenario may have besides, as pairs: an obstacle is a contact that is always kept."""
 FAMILIES = (
     "scenario", "vehicle", "dynamics", "relaxation", "solver", "strategy", "guess", "certificate",
 )  # fmt: skip
@@ -50,7 +52,7 @@ def choices(family: str, *own: Path) -> list[str]:
         for place in (Path(folder()), *_packages(), *own)
         for path in (place / family).glob("*.yaml")
     )
-    plugins = (registry.entries(kind) for kind, group in GROUPS.items() if group == family)
+    plugins = (registry.entries(kind) for kind, group in EVERY if group == family)
     return sorted({*yaml, *chain.from_iterable(plugins)} - {*PARTS})
 
 

@@ -75,7 +75,22 @@ def _absent(cause: ConfigAttributeError | ConfigKeyError) -> BadInput:
     if place == "scenario":
         return BadInput("scenario", "none was chosen", "+scenario=NAME")
     names = [str(name) for name in cause.parent_node if name not in ("hydra", "_target_")]
+    if parent == "scenario" and "_target_" not in cause.parent_node:
+        return _not_in_scenario(str(cause.key), cause.parent_node)
     return unknown_field(place, names, f"+{place}=VALUE to add what the YAML leaves out" if parent else "")
+
+
+def _not_in_scenario(name: str, scenario: DictConfig) -> BadInput:
+    """A field of the scenario that its YAML does not have: one that its kind knows needs a plus sign, another one is none."""
+    from benchbench.ocp.kinds import kind_of
+
+    fields = kind_of({str(key): None for key in scenario} | {"kind": scenario.get("kind")}).model_fields
+    place = f"scenario.{name}"
+    if name in fields:
+        inside = f", or +{place}.NAME=VALUE" if fields[name].default_factory is dict else ""
+        problem = "is not in the YAML of this scenario, so it needs a plus sign"
+        return BadInput(place, problem, f"+{place}=VALUE{inside}")
+    return unknown_field(place, fields)
 
 
 def _missing(error: MissingConfigException) -> BadInput:
@@ -88,7 +103,7 @@ def _missing(error: MissingConfigException) -> BadInput:
     if not group:
         return BadInput("--config-name", f"there is no '{name}.yaml' on the search path")
     if not options:
-        return BadInput(group, f"there is no choice '{name}'")
+        return BadInput(group, f"there is no choice '{name}'", "what an installed package brings; none does")
     return unknown_choice(group, name, options)
 
 

@@ -20,9 +20,12 @@ from omegaconf import DictConfig, OmegaConf
 
 from benchbench.ground import registry
 from benchbench.ground.errors import BadInput
-from benchbench.run.choices import GROUPS
+from benchbench.run.choices import EVERY
 
-PLACES = {"scenario/contact": "_global_.scenario.contacts.{}", "scenario/motion": "_global_.scenario.target"}
+PLACES = {
+    "scenario/contact": "_global_.scenario.contacts.{}", "scenario/motion": "_global_.scenario.target",
+    "scenario/obstacle": "_global_.scenario.obstacles.{}", "scenario/cost": "_global_.scenario.costs.{}",
+}  # fmt: skip
 """Where in the configuration the choices of a group stand, with their name; others stand where their group does."""
 SCHEME = "plugins"
 Names = list[str]
@@ -42,7 +45,7 @@ class PluginSource(ConfigSource):
 
     def is_group(self, config_path: str) -> bool:
         """Whether plugins are chosen from this group, or from one inside it."""
-        return any(f"{group}/".startswith(f"{config_path}/".lstrip("/")) for group in GROUPS.values())
+        return any(f"{group}/".startswith(f"{config_path}/".lstrip("/")) for _, group in EVERY)
 
     def is_config(self, config_path: str) -> bool:
         """Whether a plugin of this name is installed."""
@@ -52,10 +55,10 @@ class PluginSource(ConfigSource):
         """Names of the plugins, and of the groups, in a group."""
         names: set[str] = set()
         if results_filter in (None, ObjectType.CONFIG):
-            names.update(*(registry.entries(f) for f, group in GROUPS.items() if group == config_path))
+            names.update(*(registry.entries(f) for f, group in EVERY if group == config_path))
         if results_filter in (None, ObjectType.GROUP):
             inside = f"{config_path}/".lstrip("/")
-            below = (group.removeprefix(inside) for group in GROUPS.values() if group.startswith(inside))
+            below = (group.removeprefix(inside) for _, group in EVERY if group.startswith(inside))
             names.update(group.partition("/")[0] for group in below)
         return sorted(names)
 
@@ -99,7 +102,7 @@ class _YamlFirst(list[Any]):
 
 def _entries(config_path: str) -> tuple[EntryPoint, ...]:
     group, _, name = config_path.removesuffix(".yaml").rpartition("/")
-    family = next((family for family, where in GROUPS.items() if where == group), None)
+    family = next((family for family, where in EVERY if where == group), None)
     return registry.entries(family).get(name, ()) if family else ()
 
 
