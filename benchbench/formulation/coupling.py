@@ -138,8 +138,8 @@ def _pair(condition: ca.Function, share: Share, *reads: ca.SX) -> ca.SX:
 
 def retargeted(block: Block, motion: Motion) -> Block:
     """A block of a contact with other numbers of the target's motion, which are its last parameters."""
-    numbers = block.parameters.copy()
-    numbers[:, numbers.shape[1] - len(motion.parameters) :] = motion.parameters
+    numbers, moved = block.parameters.copy(), motion.parameters
+    numbers[:, numbers.shape[1] - len(moved) :] = moved
     return replace(block, parameters=numbers)
 
 

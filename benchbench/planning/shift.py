@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from benchbench.ground.arrays import Array
+from benchbench.ground.arrays import Array, Index
 from benchbench.mpcc.problem import Mpcc
 from benchbench.nlp.solver import Point
 from benchbench.transcription.grid import Grid
@@ -42,17 +42,26 @@ class Shift:
     def rows(self, values: Array) -> Array:
         """Rows (R, n) of the nodes (R = N + 1) or of parts of intervals (R = k N), moved; others stay."""
         n = self.grid.intervals
-        if len(values) == n + 1:
-            marks = np.arange(n + 1.0)
-        elif len(values) >= n and len(values) % n == 0:
-            k = len(values) // n
-            marks = (np.arange(len(values)) + 0.5) / k
-        else:
+        if len(values) != n + 1 and (len(values) < n or len(values) % n):
             return values
+        if len(values) not in self._places:
+            self._places[len(values)] = self._place(len(values))
+        right, share = self._places[len(values)]
+        return np.asarray((1 - share) * values[right - 1] + share * values[right])
+
+    @cached_property
+    def _places(self) -> dict[int, tuple[Index, Array]]:
+        """What `_place` gave, by the number of rows."""
+        return {}
+
+    def _place(self, count: int) -> tuple[Index, Array]:
+        """Which old row is next after each new one, (R,), and its share, (R, 1)."""
+        n = self.grid.intervals
+        marks = np.arange(n + 1.0) if count == n + 1 else (np.arange(count) + 0.5) / (count // n)
         old, new = (np.interp(marks, np.arange(n + 1.0), times) for times in self._nodes)
         right = np.clip(np.searchsorted(old, new), 1, len(old) - 1)
-        share = np.clip((new - old[right - 1]) / (old[right] - old[right - 1]), 0.0, 1.0)[:, None]
-        return np.asarray((1 - share) * values[right - 1] + share * values[right])
+        share = np.clip((new - old[right - 1]) / (old[right] - old[right - 1]), 0.0, 1.0)
+        return right, share[:, None]
 
     @cached_property
     def _nodes(self) -> tuple[Array, Array]:
