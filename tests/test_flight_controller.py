@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from benchbench.conformance.checks.flying import Obedient, known, vehicle, wandering
 from benchbench.flight.controller import Controller
 from benchbench.flight.reference import Reference, tip
-from benchbench.flight.residual import Recorder
+from benchbench.flight.residual import Recorder, Residual, Sample
 from benchbench.flight.training import training_reference
 from benchbench.ground.arrays import Array
 from benchbench_plugins.controllers.nmpc import Nmpc
@@ -20,6 +20,8 @@ from benchbench_plugins.controllers.nmpc_ipopt import NmpcIpopt
 from benchbench_plugins.controllers.prediction import Prediction
 from benchbench_plugins.controllers.receding import Receding
 from benchbench_plugins.controllers.tables import GRID, tables
+from benchbench_plugins.residuals.gp import Gp
+from benchbench_plugins.residuals.gp_observer import GpObserver
 
 pytest.importorskip("daqp", reason="daqp is not installed")
 
@@ -146,6 +148,25 @@ def _estimated(noise: float) -> Array:
         body.obey(step(sensed, body.time))
         found.append(step.estimate.state[:3] - true)
     return np.array(found)
+
+
+@pytest.mark.parametrize("residual", [Gp, GpObserver])
+def test_wind_that_was_learned_does_not_turn_with_the_nose(residual: type[Residual]) -> None:
+    """Trained with the nose along x, in wind and drag; predicted with the nose along y, where the wind is the same."""
+    pytest.importorskip("sklearn", reason="scikit-learn is not installed")
+    wind, drag, time = np.array([-0.12, 0.1, -0.3]), 0.15, np.arange(700) / 50
+    speed = np.stack([0.6 * np.sin(w * time + w) for w in (1.1, 1.7, 2.3)], axis=-1)
+    samples = []
+    for t, v in zip(time, speed, strict=True):
+        state = np.zeros(15)
+        state[2:4], state[7], state[8:11] = (1 + 0.1 * np.sin(t), 1.0), 1.5 + 0.3 * np.sin(2 * t), v
+        samples.append(Sample(float(t), state, wind - drag * v))
+    known = residual().learn([samples])()
+    for yaw in (0.0, 1.57, 3.0):
+        node = np.zeros((1, 10))
+        node[0, 2:4], node[0, 6], node[0, 7:] = (1.0, np.cos(yaw / 2)), np.sin(yaw / 2), (0.3, -0.2, 0.1)
+        found = known.predict(node, np.array([1.5]))[0][0]
+        np.testing.assert_allclose(found, wind - drag * node[0, 7:], atol=0.02)
 
 
 def test_a_training_flight_asks_for_what_motors_can_give() -> None:

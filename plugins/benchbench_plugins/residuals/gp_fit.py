@@ -35,7 +35,8 @@ def enough(points: int, training: float) -> int:
 def fit(flights: Sequence[Sequence[Sample]], points: int) -> GpMean:
     """Fit constant x squared exponential (a length per feature) + noise per body axis, by maximum likelihood.
 
-    Labels are body accelerations; of all samples the means of `points` clusters are kept (k-means over all features).
+    The mean of all samples is kept in the world: wind does not turn with the vehicle, and the paper's features have no heading.
+    Labels are body accelerations of the rest; the means of `points` clusters are kept (k-means over all features).
     Raises BadInput where there are no samples.
     """
     from sklearn.cluster import KMeans
@@ -43,7 +44,7 @@ def fit(flights: Sequence[Sequence[Sample]], points: int) -> GpMean:
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
-    features, labels = _data(flights)
+    steady, features, labels = _data(flights)
     if len(labels) < points:
         raise BadInput(
             "residual", f"{len(labels)} samples were flown for {points} points", "a longer training flight"
@@ -67,22 +68,23 @@ def fit(flights: Sequence[Sequence[Sample]], points: int) -> GpMean:
         product = process.kernel_.k1
         fitted.append((process.alpha_, product.k2.length_scale, product.k1.constant_value))
     weights, length_scales, sizes = (np.array(part) for part in zip(*fitted, strict=True))
-    return GpMean(centres, weights, length_scales, sizes, offsets)
+    return GpMean(centres, weights, length_scales, sizes, offsets, steady)
 
 
-def _data(flights: Sequence[Sequence[Sample]]) -> tuple[Array, Array]:
-    """Features (n, 5), height, arm and body velocity, and labels (n, 3)."""
+def _data(flights: Sequence[Sequence[Sample]]) -> tuple[Array, Array, Array]:
+    """Mean (3,) in the world, features (n, 5), height, arm and body velocity, and labels (n, 3), in the body, of the rest."""
     features, labels = [np.zeros((0, 5))], [np.zeros((0, AXES))]
     window = np.ones(SMOOTH) / SMOOTH
-    for flight in flights:
-        if len(flight) <= SETTLING + SMOOTH:
-            continue
+    used = [flight for flight in flights if len(flight) > SETTLING + SMOOTH]
+    settled = [sample.acceleration for flight in used for sample in flight[SETTLING:]]
+    steady = np.mean(settled, axis=0) if settled else np.zeros(AXES)
+    for flight in used:
         state = np.array([sample.state for sample in flight])
-        world = np.array([sample.acceleration for sample in flight])
+        world = np.array([sample.acceleration for sample in flight]) - steady
         back = matrices(state[:, 3:7]).transpose(0, 2, 1)
         body = np.einsum("nij,nj->ni", back, world)
         speed = np.einsum("nij,nj->ni", back, state[:, 8:11])
         smooth = np.stack([np.convolve(column, window, "same") for column in body.T], axis=-1)
         features.append(np.hstack([state[:, [2, 7]], speed])[SETTLING:-SMOOTH])
         labels.append(smooth[SETTLING:-SMOOTH])
-    return np.vstack(features), np.vstack(labels)
+    return steady, np.vstack(features), np.vstack(labels)

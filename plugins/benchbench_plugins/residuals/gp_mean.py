@@ -19,7 +19,8 @@ AXES = 3
 class GpMean:
     """Mean of one process per body axis i over (height, arm angle, body velocity i).
 
-    centres (m, 5) height, arm, body velocity; weights (3, m); lengths (3, 3) of the features; sizes (3,); offsets (3,) m/s^2
+    centres (m, 5) height, arm, body velocity; weights (3, m); lengths (3, 3) of the features; sizes (3,); offsets (3,) m/s^2;
+    steady (3,) m/s^2, the same in the world wherever the nose points
     """
 
     centres: Array
@@ -27,6 +28,7 @@ class GpMean:
     lengths: Array
     sizes: Array
     offsets: Array
+    steady: Array
 
     def at(self, features: Array) -> tuple[Array, Array]:
         """Mean (n, 3) m/s^2 at features (n, 5), and its gradient (n, 3, 3) with respect to each axis' own features."""
@@ -53,11 +55,11 @@ class GpCorrection(Correction):
         node = np.concatenate([sample.state[:7], sample.state[8:11]])[None]
         turn = matrices(node[:, 3:7])
         expected, _ = self.mean.at(_features(node, sample.state[7:8], turn))
-        left = sample.acceleration - turn[0] @ expected[0]
+        left = sample.acceleration - self.mean.steady - turn[0] @ expected[0]
         self.rest.observe(Sample(sample.time, sample.state, left))
 
     def predict(self, nodes: Array, arm: Array) -> tuple[Array, Array | None]:
-        """R(q) mu(z, arm, R(q)^T v), with all of its derivatives by z, q and v."""
+        """World mean + R(q) mu(z, arm, R(q)^T v), with all of its derivatives by z, q and v."""
         turn = matrices(nodes[:, 3:7])
         mean, slope = self.mean.at(_features(nodes, arm, turn))
         steep = turn * slope[:, None, :, 2]  # R diag(d mu / d v_B)
@@ -67,7 +69,7 @@ class GpCorrection(Correction):
         by_turn = _turn_derivative(nodes[:, 3:7])
         gradient[:, :, 3:7] = np.einsum("nijk,nj->nik", by_turn, mean)
         gradient[:, :, 3:7] += np.einsum("nij,nmjk,nm->nik", steep, by_turn, nodes[:, 7:])
-        return np.einsum("nij,nj->ni", turn, mean) + self.rest.value, gradient
+        return np.einsum("nij,nj->ni", turn, mean) + self.mean.steady + self.rest.value, gradient
 
 
 def _features(nodes: Array, arm: Array, turn: Array) -> Array:
