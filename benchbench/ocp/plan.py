@@ -187,5 +187,8 @@ def bernstein(count: int, s: Any) -> list[Any]:
 
 def bezier(points: Array, s: Array | float) -> Array:
     """Values (..., n) of Bezier curves with control points (..., d, n) at s (...,) in [0, 1]."""
-    weights = np.stack(np.broadcast_arrays(*bernstein(points.shape[-2], np.asarray(s, float))), axis=-1)
-    return np.asarray(np.sum(weights[..., None] * points, axis=-2))
+    fraction = np.asarray(s, float)[..., None, None]
+    here = points * np.ones_like(fraction)
+    while here.shape[-2] > 1:  # de Casteljau's algorithm
+        here = here[..., :-1, :] + fraction * (here[..., 1:, :] - here[..., :-1, :])
+    return np.asarray(here[..., 0, :])

@@ -11,6 +11,10 @@ moved into the acceleration, a = R^T (dv/dt + [0 0 g]), and x = [a, d omega/dt, 
 The three rows are the balances of force, of moment about the body's centre, and of moment about the joint
 (c' = j x (centre - mount), so c'.F is the moment of F about the joint). What the servo does to the body is
 inside F and N: nothing is added for it.
+
+All of it is of second degree in cos(arm) and sin(arm), and in [omega, d arm/dt]. So the balances, written as above in
+`inertia` and `_turning`, are asked at a few arm angles and rates when a plant is made; what a flight asks a million
+times are the coefficients found there.
 """
 
 from __future__ import annotations
@@ -31,6 +35,8 @@ ARM_TURN = np.hstack([np.zeros((3, 3)), IDENTITY, AXIS[:, None]])
 """W: angular acceleration of the arm from x, without velocity terms."""
 ROTOR_SIGNS = np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, -1.0, 0.0]])
 """Where rotors 1 to 4 stand (x forward, y left); with the drag signs this is the paper's Eq. (2)."""
+PAIRS = np.triu_indices(4)
+"""Which two of the rates [omega, d arm/dt] are multiplied with one another: each with itself and with those after it."""
 DRAG_SIGNS = np.array([-1.0, -1.0, 1.0, 1.0])
 ANGLES = Angles()
 
@@ -55,25 +61,24 @@ class AerialManipulatorPlant(Plant):
         self._wrench[2, :4] = 1.0
         self._wrench[3, :4], self._wrench[4, :4] = self._rotors[:, 1], -self._rotors[:, 0]
         self._wrench[5, :4], self._wrench[6, 4] = p.torque_coefficient * DRAG_SIGNS, 1.0
+        self._inertia_table, self._turning_table = self._tables()
 
     def inertia(self, q: Array) -> Array:
         """Return the matrix (..., 7, 7) that multiplies x (see the module) in the balances; q (..., 7)."""
         frame = arm_frame(q)
-        return self._assemble(self._shift(frame), frame @ self._arm_inertia @ _transpose(frame))
+        shift, arm_inertia = self._shift(frame), frame @ self._arm_inertia @ _transpose(frame)
+        arm = self._arm_mass * _transpose(shift) @ shift + ARM_TURN.T @ arm_inertia @ ARM_TURN
+        return np.asarray(self._body + arm)
 
     def acceleration(self, q: Array, v: Array, u: Array) -> Array:
         """Return dv/dt (..., 7) for q (..., 7 or 8), v (..., 7) and u (..., 5)."""
-        turning, w = q[..., 3:-1], v[..., 3:6]
-        frame, omega, rate = arm_frame(q), self._attitude.body_rates(turning, w), v[..., 6:]
-        shift, arm_inertia = self._shift(frame), frame @ self._arm_inertia @ _transpose(frame)
-        from_mount, swing = self._length / 2 * frame[..., 0], shift[..., 6]
-        spin, arm_omega = _hat(omega), omega + rate * AXIS
-        b = _apply(spin, _apply(spin, self._mount + from_mount) + 2 * rate * swing) - rate**2 * from_mount
-        n = _apply(arm_inertia, _apply(spin, rate * AXIS))
-        n += _apply(_hat(arm_omega), _apply(arm_inertia, arm_omega))
-        right = _apply(self._wrench, u) - _apply(_transpose(shift), self._arm_mass * b) - n @ ARM_TURN
-        right[..., 3:6] -= _apply(spin, _apply(self._inertia, omega))
-        x = np.linalg.solve(self._assemble(shift, arm_inertia), right[..., None])[..., 0]
+        turning, w, arm = q[..., 3:-1], v[..., 3:6], _harmonics(q[..., -1])
+        rates = np.concatenate([self._attitude.body_rates(turning, w), v[..., 6:]], axis=-1)
+        products = rates[..., PAIRS[0]] * rates[..., PAIRS[1]]
+        both = (products[..., None] * arm[..., None, :]).reshape(*products.shape[:-1], -1)
+        right = u @ self._wrench.T - both @ self._turning_table
+        matrix = (arm @ self._inertia_table).reshape(*arm.shape[:-1], 7, 7)
+        x = np.linalg.solve(matrix, right[..., None])[..., 0]
         out = np.empty_like(x)
         out[..., :3] = _apply(self._attitude.rotation(turning), x[..., :3])
         out[..., 2] -= self._gravity
@@ -84,10 +89,9 @@ class AerialManipulatorPlant(Plant):
     def kinematics(self, q: Array, v: Array) -> Array:
         """Return dq/dt."""
         turning = self._attitude.kinematics(q[..., 3:-1], v[..., 3:6])
-        ends = (
-            np.broadcast_to(part, (*turning.shape[:-1], part.shape[-1])) for part in (v[..., :3], v[..., 6:])
-        )
-        return np.concatenate([next(ends), turning, next(ends)], axis=-1)
+        out = np.empty((*turning.shape[:-1], turning.shape[-1] + 4))
+        out[..., :3], out[..., 3:-1], out[..., -1] = v[..., :3], turning, v[..., 6]
+        return out
 
     def output(self, q: Array, v: Array) -> Array:
         """Return roll, pitch and the rates of roll, pitch, yaw (..., 5), where they are no coordinates."""
@@ -130,9 +134,32 @@ class AerialManipulatorPlant(Plant):
         shift[..., 6] = -self._length / 2 * frame[..., 2]
         return shift
 
-    def _assemble(self, shift: Array, arm_inertia: Array) -> Array:
-        arm = self._arm_mass * _transpose(shift) @ shift + ARM_TURN.T @ arm_inertia @ ARM_TURN
-        return np.asarray(self._body + arm)
+    def _turning(self, frame: Array, rates: Array) -> Array:
+        """S^T m b + W^T n + [0, omega x J omega, 0] (..., 7) for rates [omega, d arm/dt] (..., 4): what turning asks for."""
+        shift, arm_inertia = self._shift(frame), frame @ self._arm_inertia @ _transpose(frame)
+        omega, rate = rates[..., :3], rates[..., 3:]
+        from_mount, swing = self._length / 2 * frame[..., 0], shift[..., 6]
+        spin, arm_omega = _hat(omega), omega + rate * AXIS
+        b = _apply(spin, _apply(spin, self._mount + from_mount) + 2 * rate * swing) - rate**2 * from_mount
+        n = _apply(arm_inertia, _apply(spin, rate * AXIS))
+        n += _apply(_hat(arm_omega), _apply(arm_inertia, arm_omega))
+        out = _apply(_transpose(shift), self._arm_mass * b) + n @ ARM_TURN
+        out[..., 3:6] += _apply(spin, _apply(self._inertia, omega))
+        return out
+
+    def _tables(self) -> tuple[Array, Array]:
+        """Coefficients of the inertia (5, 49) in `_harmonics`, and of `_turning` (50, 7) in products of rates times those."""
+        arm = 2 * np.pi / 5 * np.arange(5)
+        frame, fit = arm_frame(arm[:, None]), np.linalg.inv(_harmonics(arm))
+        alone, of_each = np.eye(4), self._turning
+        single = np.stack([of_each(frame, alone[i]) for i in range(4)])
+        pairs = np.stack(
+            [
+                single[i] if i == j else of_each(frame, alone[i] + alone[j]) - single[i] - single[j]
+                for i, j in zip(*PAIRS, strict=True)
+            ]
+        )
+        return fit @ self.inertia(arm[:, None]).reshape(5, 49), (fit @ pairs).reshape(50, 7)
 
 
 def arm_frame(q: Array) -> Array:
@@ -142,6 +169,15 @@ def arm_frame(q: Array) -> Array:
     frame[..., 0, 0], frame[..., 0, 2], frame[..., 1, 1] = c, s, 1.0
     frame[..., 2, 0], frame[..., 2, 2] = -s, c
     return frame
+
+
+def _harmonics(arm: Array) -> Array:
+    """1, cos, sin, cos 2 and sin 2 (..., 5) of the arm's angle (...): all of second degree in cos and sin."""
+    c, s = np.cos(arm), np.sin(arm)
+    out = np.empty((*np.shape(arm), 5))
+    out[..., 0], out[..., 1], out[..., 2] = 1.0, c, s
+    out[..., 3], out[..., 4] = c * c - s * s, 2 * c * s
+    return out
 
 
 def _hat(a: Array) -> Array:

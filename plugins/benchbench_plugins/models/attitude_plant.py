@@ -56,7 +56,10 @@ class Angles(AttitudePlant):
         """E(a) w."""
         (cr, cp, _), (sr, sp, _) = _parts(np.cos(a)), _parts(np.sin(a))
         roll, pitch, yaw = _parts(w)
-        return np.stack([roll - sp * yaw, cr * pitch + sr * cp * yaw, cr * cp * yaw - sr * pitch], axis=-1)
+        out = np.empty(np.broadcast_shapes(a.shape, w.shape))
+        out[..., 0], out[..., 1] = roll - sp * yaw, cr * pitch + sr * cp * yaw
+        out[..., 2] = cr * cp * yaw - sr * pitch
+        return out
 
     def kinematics(self, a: Array, w: Array) -> Array:
         """Return w."""
@@ -83,13 +86,15 @@ class Quaternions(AttitudePlant):
 
     def rotation(self, a: Array) -> Array:
         """From the normalised quaternion."""
-        w, x, y, z = np.moveaxis(a / np.linalg.norm(a, axis=-1, keepdims=True), -1, 0)
-        rows = [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-        return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+        w, x, y, z = (a[..., i] for i in range(4))
+        twice = 2 / (w * w + x * x + y * y + z * z)
+        turn = np.empty((*a.shape[:-1], 3, 3))
+        turn[..., 0, 0], turn[..., 1, 1] = 1 - twice * (y * y + z * z), 1 - twice * (x * x + z * z)
+        turn[..., 2, 2] = 1 - twice * (x * x + y * y)
+        turn[..., 0, 1], turn[..., 1, 0] = twice * (x * y - w * z), twice * (x * y + w * z)
+        turn[..., 0, 2], turn[..., 2, 0] = twice * (x * z + w * y), twice * (x * z - w * y)
+        turn[..., 1, 2], turn[..., 2, 1] = twice * (y * z - w * x), twice * (y * z + w * x)
+        return turn
 
     def body_rates(self, a: Array, w: Array) -> Array:
         """Return w."""
@@ -99,8 +104,10 @@ class Quaternions(AttitudePlant):
         """Half the quaternion times the body rates."""
         s, x, y, z = (a[..., i] for i in range(4))
         p, q, r = (w[..., i] / 2 for i in range(3))
-        turn = [-x * p - y * q - z * r, s * p + y * r - z * q, s * q + z * p - x * r, s * r + x * q - y * p]
-        return np.stack(turn, axis=-1)
+        out = np.empty((*np.broadcast_shapes(a.shape[:-1], w.shape[:-1]), 4))
+        out[..., 0], out[..., 1] = -x * p - y * q - z * r, s * p + y * r - z * q
+        out[..., 2], out[..., 3] = s * q + z * p - x * r, s * r + x * q - y * p
+        return out
 
     def accelerations(self, a: Array, w: Array, spin: Array) -> Array:
         """Return the spin."""

@@ -15,6 +15,7 @@ SIDES = np.array([[1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]])
 SPIN = np.array([1.0, -1.0, 1.0, -1.0])
 """Sign of each rotor's reaction torque about the body z axis."""
 
+NEXT, AFTER = [1, 2, 0], [2, 0, 1]
 QUATERNIONS = Quaternions()
 
 
@@ -38,6 +39,7 @@ class QuadrotorPlant(Plant):
         self._attitude = attitude
         self._mass, self._gravity = mass, gravity
         self._inertia = np.diag(inertia)
+        self._inverse = np.linalg.inv(self._inertia)
         self._rotors = np.column_stack([-lever * SIDES[:, 1], lever * SIDES[:, 0], np.zeros(4)])
         lift = np.cross(self._rotors, [0.0, 0.0, 1.0])
         self._torques = lift + torque_coefficient * SPIN[:, None] * np.array([0.0, 0.0, 1.0])
@@ -51,14 +53,16 @@ class QuadrotorPlant(Plant):
         )
         out[..., 2] -= self._gravity
         momentum = omega @ self._inertia
-        spin = (u @ self._torques - np.cross(omega, momentum)) @ np.linalg.inv(self._inertia)
+        spin = (u @ self._torques - _cross(omega, momentum)) @ self._inverse
         out[..., 3:] = self._attitude.accelerations(q[..., 3:], v[..., 3:], spin)
         return out
 
     def kinematics(self, q: Array, v: Array) -> Array:
         """World velocity, and the attitude's derivative."""
         turning = self._attitude.kinematics(q[..., 3:], v[..., 3:])
-        return np.concatenate([np.broadcast_to(v[..., :3], (*turning.shape[:-1], 3)), turning], axis=-1)
+        out = np.empty((*turning.shape[:-1], turning.shape[-1] + 3))
+        out[..., :3], out[..., 3:] = v[..., :3], turning
+        return out
 
     def output(self, q: Array, v: Array) -> Array:
         """Body rates (..., 3), where they are no velocities."""
@@ -79,3 +83,8 @@ class QuadrotorPlant(Plant):
         lines = {"frame_a": self._rotors[[0, 2]], "frame_b": self._rotors[[1, 3]]}
         turn = self._attitude.rotation(q[3:])
         return {name: q[:3] + line @ turn.T for name, line in lines.items()}
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """A x b, in a third of the time of numpy's for one vector."""
+    return a[..., NEXT] * b[..., AFTER] - a[..., AFTER] * b[..., NEXT]
