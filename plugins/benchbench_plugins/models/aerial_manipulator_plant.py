@@ -149,7 +149,7 @@ class AerialManipulatorPlant(Plant):
 
     def _tables(self) -> tuple[Array, Array]:
         """Coefficients of the inertia (5, 49) in `_harmonics`, and of `_turning` (50, 7) in products of rates times those."""
-        arm = 2 * np.pi / 5 * np.arange(5)
+        arm: Array = np.linspace(0.0, 2 * np.pi, 5, endpoint=False)
         frame, fit = arm_frame(arm[:, None]), np.linalg.inv(_harmonics(arm))
         alone, of_each = np.eye(4), self._turning
         single = np.stack([of_each(frame, alone[i]) for i in range(4)])
