@@ -8,11 +8,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from benchbench.analysis import naming
 from benchbench.analysis.costs import by_step, by_work, comparable, cost_matrix, solve_time
 from benchbench.analysis.means import shifted_geometric_mean, three_means
 from benchbench.analysis.naming import name_runs
 from benchbench.analysis.profiles import data_profile, performance_profile
 from benchbench.analysis.wilson import Rate, wilson
+from benchbench.run.settings import NOT_DECISIVE
 from benchbench.storage.settings import flatten
 
 INF = np.inf
@@ -215,3 +217,8 @@ def test_unknown_choices_and_numbers_have_names() -> None:
     named = name_runs(runs_of({"solver": None, "intervals": None, "kappa_init": None}, {}), [None, None])
     assert named.method.tolist() == ["unknown", "ipopt"]
     assert named.problem.tolist() == ["static", "static, N=20, κ=2"]
+
+
+def test_what_decides_nothing_is_in_no_name() -> None:
+    """Its list stands where such fields are read, above the room of names."""
+    assert set(NOT_DECISIVE) <= set(naming.NEITHER)

@@ -15,6 +15,7 @@ NUMBERS = {"intervals": "N", "kappa_init": "κ", "seed": "seed"}
 """Columns of the table that tell problems apart, and how they are written."""
 NEITHER = (
     "output",
+    "on_step",
     "workers",
     "rerun",
     "hard_limit",
@@ -24,7 +25,7 @@ NEITHER = (
     "repeats",
     "picture",
 )
-"""Fields of the configuration that are no part of a name."""
+"""Fields of the configuration that are no part of a name: those that decide nothing (`run/settings.py`, above this room), and two more."""
 
 
 def name_runs(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> pd.DataFrame:

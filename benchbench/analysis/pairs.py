@@ -6,13 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from benchbench.ground.families import FLOWN, PLANNED
+
 Row = Mapping[str, Any]
 TASK = ("scenario", "seed", "task_hash")
 """Columns that tell tasks apart: where the sides share some of them, those are compared."""
-CHOICES = (
-    *TASK, "vehicle", "dynamics", "intervals", "kappa_init", "relaxation", "solver", "strategy", "guess",
-    "world", "controller", "autopilot", "residual", "payload", "predictor", "mismatch", "rig",
-)  # fmt: skip
+CHOICES = (*TASK, *PLANNED[1:], "intervals", "kappa_init", *FLOWN)
 """Columns that say what was asked."""
 
 

@@ -14,12 +14,12 @@ from benchbench.analysis.pairs import Pairs, Row, paired
 from benchbench.analysis.suite import cpu
 from benchbench.cli.finding import run_folder
 from benchbench.ground.errors import BadInput
+from benchbench.ground.families import PLANNED
 from benchbench.report.figure_file import write_figure
 from benchbench.run.settings import NOT_DECISIVE
 from benchbench.storage.configuration import configuration
 from benchbench.storage.files import PLAN
 
-FAMILIES = ("scenario", "vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
 NUMBERS = {
     "travel time": ("travel_time_s", 1.0, "s"), "objective": ("objective", 1.0, ""), "lower bound": ("lower_bound_s", 1.0, "s"),
     "above best known": ("gap_percent", 1.0, "%"), "contact begins": ("contact_start_s", 1.0, "s"), "contact ends": ("contact_end_s", 1.0, "s"),
@@ -129,7 +129,7 @@ def _sum(found: Pairs) -> Iterator[str]:
 
 def _chosen(rows: Sequence[Row], trees: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, str, str]]:
     """Choices that differ by name, then fields of choices that do not."""
-    named = [name for name in FAMILIES if rows[0][name] != rows[1][name]]
+    named = [name for name in PLANNED if rows[0][name] != rows[1][name]]
     yield from ((name, str(rows[0][name] or "-"), str(rows[1][name] or "-")) for name in named)
     a, b = (dict(_leaves(tree)) for tree in trees)
     told = [

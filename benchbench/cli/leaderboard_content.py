@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import logging
 import math
 import re
 import shlex
@@ -30,6 +31,7 @@ from benchbench.storage.files import PLAN, SOLUTION, write_bytes
 from benchbench.storage.settings import SettingsReader
 from benchbench.storage.table import frame
 
+log = logging.getLogger(__name__)
 SIZES = {"intervals": "N", "kappa_init": "κ"}
 GRADES = "certificate."
 """Settings that play no part: everybody is judged by the same limits."""
@@ -144,7 +146,7 @@ def _view(record: dict[str, Any], task: str, run: _Run, folder: Path) -> PlanVie
     try:
         return plan_view(record, f"{task}: {run.method}", folder)
     except Exception as error:  # noqa: BLE001  # a plan that cannot be drawn still counts
-        reason(error)
+        log.warning("%s: %s cannot be shown: %s", task, run.method, reason(error))
         return None
 
 

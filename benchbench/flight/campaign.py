@@ -92,7 +92,11 @@ class Campaign:
         if not isinstance(model, FlownModel):
             name = getattr(model, "name", type(model).__name__)
             problem = f"no world can be made of '{name}'"
-            raise IncompatibleCase("vehicle", problem, "table1, table2, or flights=0")
+            raise IncompatibleCase(
+                "vehicle",
+                problem,
+                "a vehicle with an airframe, such as table1, table1_quaternion, table2; or flights=0",
+            )
         _check_motors(self.rig, model.airframe)
         if task.reach < task.farthest:
             problem = f"{task.reach:g} m is less than the plan's contact may be away"

@@ -19,10 +19,8 @@ from benchbench.flight.loop import Log
 from benchbench.flight.reference import Reference
 from benchbench.flight.world import STEP
 from benchbench.ground.arrays import Array
+from benchbench.ground.families import FLOWN
 from benchbench.ocp.airframe import Airframe
-
-NAMES = ("world", "controller", "autopilot", "residual", "payload", "predictor", "mismatch", "rig")
-"""Choices of a campaign that the record names."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ def columns(campaign: Campaign, flown: Sequence[Flown]) -> dict[str, Any]:
     costs = np.concatenate([one.log.controller_cpu for one in flown]) if flown else np.zeros(0)
     speeds = np.array([verdict.touch_speed for verdict in verdicts])
     return {
-        **{name: campaign.names[name] for name in NAMES},
+        **{name: campaign.names[name] for name in FLOWN},
         "flights": len(flown), "flights_succeeded": successes,
         "flights_low_exact": exact_bound(successes, len(flown)),
         "flights_low": bounds.low, "flights_high": bounds.high,

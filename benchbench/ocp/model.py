@@ -11,6 +11,8 @@ What only some vehicles have is a class of its own beside `Model`. A plugin list
     OutputModel       limits on more than q, v and u
     RampModel         limits that change along the way
     RacingModel       what races, and point-mass guesses, ask for
+    TouchingModel     forces of contact with what it must not pass (`ocp/touching.py`)
+    FlownModel        an airframe that a world can be made of (`ocp/airframe.py`)
     AgileModel        how far it comes from a standstill, from which travel times are bounded
 """
 

@@ -18,7 +18,20 @@ from benchbench.flight.reference import Reference, matrices, tip
 from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 from benchbench.report.png import Picture, write_png
-from benchbench.report.style import ARM, BAD, CONTACT, FAINT, FRAME, GOOD, INK, LIMIT, RC, TARGET, TOOL
+from benchbench.report.style import (
+    ARM,
+    BAD,
+    CONTACT,
+    CURVES,
+    FAINT,
+    FRAME,
+    GOOD,
+    INK,
+    LIMIT,
+    RC,
+    TARGET,
+    TOOL,
+)
 from benchbench.storage.files import replacing
 
 POSES = 9
@@ -106,11 +119,11 @@ def _above(
     around = np.linspace(0, 2 * np.pi, 60)
     radius = reference.ball_radius + reference.reach
     centre = reference.target[row]
-    axes.plot(centre[0] + radius * np.cos(around), centre[1] + radius * np.sin(around), color="#E69F00")
+    axes.plot(centre[0] + radius * np.cos(around), centre[1] + radius * np.sin(around), color=CURVES[4])
     axes.set_aspect("equal", adjustable="datalim")
     lines = [
         Line2D([], [], color=INK, linestyle="-."), Line2D([], [], color=GOOD), Line2D([], [], color=BAD),
-        Line2D([], [], color=TARGET, linestyle="--"), Line2D([], [], color="#E69F00"),
+        Line2D([], [], color=TARGET, linestyle="--"), Line2D([], [], color=CURVES[4]),
     ]  # fmt: skip
     axes.legend(lines, ["plan", "success", "failure", "target", "magnet's reach"], frameon=False, fontsize=8)
 
@@ -131,7 +144,7 @@ def _distance(
         color=INK,
         linewidth=1.1,
     )
-    axes.axhline(reference.reach, color="#E69F00", linewidth=1.0)
+    axes.axhline(reference.reach, color=CURVES[4], linewidth=1.0)
     axes.set_yscale("log")
     axes.set_xlim(0, reference.travel_time)
     axes.set_xlabel("s")

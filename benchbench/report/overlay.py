@@ -21,10 +21,10 @@ from benchbench.report.contact_window import contact_windows
 from benchbench.report.panel import Panel, span
 from benchbench.report.panels import panels
 from benchbench.report.png import Picture
-from benchbench.report.style import LIMIT, RC, TARGET
+from benchbench.report.style import CURVES, LIMIT, RC, TARGET
 from benchbench.report.views import VIEWS, Scene, scene, skeleton
 
-COLOURS = ("#0072B2", "#D55E00")
+COLOURS = CURVES[:2]
 """Blue and vermilion keep apart for red-green blind readers, and as greys."""
 STYLES: tuple[Any, Any] = ("-", (0, (5, 1.5)))
 WIDTH_IN, ROW_IN, COLUMNS = 14.0, 1.9, 4

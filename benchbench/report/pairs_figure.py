@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from benchbench.analysis.pairs import Row
 from benchbench.analysis.suite import cpu
 from benchbench.report.png import Picture
-from benchbench.report.style import FAINT, RC
+from benchbench.report.style import CURVES, FAINT, RC
 
-BOTH, ONE = "#0072B2", "#D55E00"
+BOTH, ONE = CURVES[:2]
 
 
 def pairs_figure(pairs: Sequence[tuple[Row, Row]], names: tuple[str, str]) -> Figure:

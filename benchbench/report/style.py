@@ -1,4 +1,7 @@
-"""Colours and type sizes of the pictures; the colours keep apart for colour-blind readers (Okabe & Ito 2008)."""
+"""Colours and type sizes of the pictures; the colours keep apart for colour-blind readers (Okabe & Ito 2008).
+
+`tests/test_colours.py` asks that of every change, for three kinds of colour blindness.
+"""
 
 from __future__ import annotations
 

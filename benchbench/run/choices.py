@@ -10,6 +10,7 @@ from pathlib import Path
 
 from benchbench.ground import registry
 from benchbench.ground.errors import BadInput
+from benchbench.ground.families import FLOWN, PLANNED
 
 GROUPS = {
     "dynamics": "dynamics", "relaxations": "relaxation", "solvers": "solver", "strategies": "strategy",
@@ -20,11 +21,9 @@ GROUPS = {
 """Where the choices of a family of plugins are. Vehicles and scenarios are numbers, so that theirs are always YAML."""
 EVERY = (*GROUPS.items(), ("costs", "scenario/cost"), ("contacts", "scenario/obstacle"))
 """The same with what a scenario may have besides, as pairs: an obstacle is a contact that is always kept."""
-FAMILIES = (
-    "scenario", "vehicle", "dynamics", "relaxation", "solver", "strategy", "guess", "certificate",
-)  # fmt: skip
+FAMILIES = (*PLANNED, "certificate")
 """What a run chooses from, in the order of the help."""
-FLYING = ("world", "controller", "autopilot", "residual", "payload", "predictor", "mismatch", "rig")
+FLYING = FLOWN
 """What flights choose from besides."""
 PARTS = ("handover", "hardware")
 """YAML files that others build on; nothing to choose by itself."""

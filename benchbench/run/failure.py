@@ -16,12 +16,12 @@ from benchbench.ground.errors import (
     Timeout,
     Unavailable,
 )
+from benchbench.ground.families import PLANNED
 from benchbench.storage import provenance
 from benchbench.storage.schema import Record, Status, make_record
 
 LONGEST = 2_000
 """Characters of a reason that are kept."""
-CHOICES = ("scenario", "vehicle", "dynamics", "relaxation", "solver", "strategy", "guess")
 
 
 def failed(error: BaseException, chosen: Mapping[str, Any], labels: Mapping[str, Any]) -> Record:
@@ -29,7 +29,7 @@ def failed(error: BaseException, chosen: Mapping[str, Any], labels: Mapping[str,
 
     chosen: names of the choices by family; labels: other columns that are known by now.
     """
-    names = {family: chosen[family] for family in CHOICES if family in chosen}
+    names = {family: chosen[family] for family in PLANNED if family in chosen}
     if chosen.get("peer"):  # it stands for the solver; our other choices played no part
         ours = ("scenario", "vehicle", "strategy")
         names = {"solver": chosen["peer"], **{family: names[family] for family in ours if family in names}}

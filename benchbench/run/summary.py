@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from benchbench.ground.families import FLOWN
 from benchbench.storage.best_known import SAME
 from benchbench.storage.schema import Status
 
@@ -159,19 +160,7 @@ def _flown(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     if r["flights"] is None:
         return []
     proved = f"at least {100 * r['flights_low_exact']:.1f} % proved at 95 %, Wilson {100 * r['flights_low']:.0f} to {100 * r['flights_high']:.0f} %"
-    how = " / ".join(
-        str(r[name])
-        for name in (
-            "world",
-            "controller",
-            "autopilot",
-            "residual",
-            "payload",
-            "predictor",
-            "mismatch",
-            "rig",
-        )
-    )
+    how = " / ".join(str(r[name]) for name in FLOWN)
     failures = sorted((r["flight_reasons"] or {}).items(), key=lambda item: (-item[1], item[0]))
     said = [
         f"{r['flights_succeeded']} of {r['flights']} succeed: {proved}",

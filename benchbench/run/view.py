@@ -17,13 +17,13 @@ from benchbench.ground.errors import BadInput, BenchBenchError
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
+from benchbench.report.style import BAD, GOOD
 from benchbench.run.summary import lines
 from benchbench.storage.schema import Record
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-GOOD, BAD = "#00704F", "#B23A00"
 NAME, TEXT = (f"text-align: left; vertical-align: top; white-space: {how};" for how in ("nowrap", "pre-line"))
 """How cells of the summary look, whatever the notebook does to tables."""
 
