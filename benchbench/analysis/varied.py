@@ -9,9 +9,9 @@ from typing import Any
 import pandas as pd
 
 SLACK = re.compile(
-    r"scenario\.contacts\.\w+\.(?!weight)\w+|certificate\.[\w.]+|scenario\.(?:c_limit|contact_seconds|gate_radius|radius_m?)"
+    r"scenario\.contacts\.\w+\.(?!weight)\w+|certificate\.[\w.]+|scenario\.(?:contact_seconds|radius|end_radius)"
 )
-"""Fields by which a task is made looser: limits of contacts (nu_max, c_limit), tolerances of the certificate."""
+"""Fields by which a task is made looser: limits of contacts (nu_max, c_limit of the paper), radii of gates, tolerances of the certificate."""
 NO_SLACK = ("certificate._target_", "certificate.stationarity", "certificate.stationarity_seconds")
 
 

@@ -36,6 +36,7 @@ NOTHING = ("", "''", '""', "null")
 
 def start(arguments: Sequence[str]) -> int:
     """Do what the command line asks and return the exit code."""
+    arguments = front.meant(arguments)
     if (answered := front.answer(arguments)) is not None:
         return answered
     traced = "--traceback" in arguments
@@ -58,8 +59,6 @@ def start(arguments: Sequence[str]) -> int:
 
 def _do(arguments: Sequence[str], traced: bool) -> int:
     finish = None
-    if front.ROBUST in arguments:  # a strategy that flies its plans is a search over runs
-        arguments = ["robust", *(text for text in arguments if text != front.ROBUST)]
     if arguments and arguments[0] in commands.names():
         done = commands.run(arguments[0], arguments[1:])
         if isinstance(done, int):

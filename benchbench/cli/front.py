@@ -16,7 +16,7 @@ from benchbench.run.telling import complain, usage
 
 DONE, BAD_INPUT = 0, 2
 ROBUST = "strategy=robust"
-"""What one may call the search of `benchbench robust`."""
+"""What one may call the search of `benchbench robust`, since a strategy that flies its plans is a search over runs."""
 LONG = (
     "--help", "--hydra-help", "--version", "--cfg", "--resolve", "--package", "--run", "--multirun", "--shell-completion",
     "--config-path", "--config-name", "--config-dir", "--experimental-rerun", "--info", "--traceback",
@@ -31,8 +31,6 @@ CHOICE = re.compile(rf"(\+scenario|{'|'.join((*FAMILIES[1:], *FLYING))}|peer)=(\
 
 def answer(arguments: Sequence[str]) -> int | None:
     """Answer what can be answered at once and return the exit code; None for all else."""
-    if ROBUST in arguments:
-        return None
     try:
         if arguments and arguments[0] in commands.names():
             return _command(arguments[0], arguments[1:])
@@ -40,6 +38,13 @@ def answer(arguments: Sequence[str]) -> int | None:
     except BenchBenchError as error:
         complain("bad input", str(error))
         return BAD_INPUT
+
+
+def meant(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments with the command that they are another word for in front."""
+    if ROBUST not in arguments:
+        return [*arguments]
+    return ["robust", *(text for text in arguments if text != ROBUST)]
 
 
 def _command(name: str, arguments: Sequence[str]) -> int | None:

@@ -25,12 +25,7 @@ def chart(runs: pd.DataFrame, styles: Styles) -> Chart:
     known = runs[(runs[ERROR] > 0) & (runs[WORK] > 0)]
     if known.empty:
         return Chart(title, text, missing="No run has a plan whose error was measured.")
-    known, said = drawn(known)
-    made = figure("replay error of one interval [m]", "CPU time [s]", names=known.method.unique())
-    add_runs(made, known.assign(series=known.task + known.kappa_init.map(str)), ERROR, WORK, styles)
-    logarithmic(made, "xaxis", known[ERROR])
-    logarithmic(made, "yaxis", known[WORK])
-    return Chart(title, text + said, made)
+    return _chart(title, text, known, (ERROR, "replay error of one interval [m]"), styles)
 
 
 def travel_time(runs: pd.DataFrame, styles: Styles) -> Chart:
@@ -44,9 +39,14 @@ def travel_time(runs: pd.DataFrame, styles: Styles) -> Chart:
     known = known[known[TIME_ERROR].notna() & (known[WORK] > 0)]
     if known.empty or known.groupby([known.task, known.kappa_init.map(str)]).size().max() < 2:
         return Chart(title, text, missing="No task has two certified plans.")
+    return _chart(title, text, known, (TIME_ERROR, "relative error of the travel time"), styles)
+
+
+def _chart(title: str, text: str, known: pd.DataFrame, error: tuple[str, str], styles: Styles) -> Chart:
+    """Draw CPU time over a column of errors, which has a label; both are above zero."""
     known, said = drawn(known)
-    made = figure("relative error of the travel time", "CPU time [s]", names=known.method.unique())
-    add_runs(made, known.assign(series=known.task + known.kappa_init.map(str)), TIME_ERROR, WORK, styles)
-    logarithmic(made, "xaxis", known[TIME_ERROR])
+    made = figure(error[1], "CPU time [s]", names=known.method.unique())
+    add_runs(made, known.assign(series=known.task + known.kappa_init.map(str)), error[0], WORK, styles)
+    logarithmic(made, "xaxis", known[error[0]])
     logarithmic(made, "yaxis", known[WORK])
     return Chart(title, text + said, made)
