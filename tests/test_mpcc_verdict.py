@@ -13,7 +13,8 @@ from rich.console import Console
 
 from benchbench.run.config import compose_any
 from benchbench.run.pipeline import Run, run
-from benchbench.run.summary import show, show_line
+from benchbench.run.summary import show
+from benchbench.run.sweep_line import show_line
 
 Rule = Callable[[ca.SX], ca.SX]
 NOTHING: Rule = lambda w: ca.SX(0, 1)  # noqa: E731

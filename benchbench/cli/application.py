@@ -14,7 +14,7 @@ from hydra._internal.utils import get_args_parser
 from hydra.core.config_search_path import ConfigSearchPath
 from omegaconf import DictConfig
 
-from benchbench.cli import commands, front, sweep_summary
+from benchbench.cli import commands, front, interrupt, sweep_summary
 from benchbench.cli.composing import compose_and_run
 from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.run import config, summary
@@ -23,6 +23,7 @@ from benchbench.run.execution import BAD_INPUT, CERTIFIED, Ended, Place, execute
 from benchbench.run.flying import flying
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.overrides import carried
+from benchbench.run.sweep_line import count
 from benchbench.run.telling import complain
 from benchbench.sweep.combination import Combination
 from benchbench.sweep.pool import run_all
@@ -46,6 +47,8 @@ def start(arguments: Sequence[str]) -> int:
     except BrokenPipeError:
         raise
     except (*EXPECTED, OSError, ValueError) as error:  # Hydra says some of it with plain ValueErrors
+        if interrupt.heard():
+            raise KeyboardInterrupt from None
         if traced:
             traceback.print_exception(error)
         told = (
@@ -81,7 +84,7 @@ def _do(arguments: Sequence[str], traced: bool) -> int:
     elif len(call.codes) > 1:
         if call.swept:
             sweep_summary.conclude(call.swept)
-        summary.count(call.codes.count(CERTIFIED), len(call.codes))
+        count(call.codes.count(CERTIFIED), len(call.codes))
     return max(call.codes, default=CERTIFIED)
 
 

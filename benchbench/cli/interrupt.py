@@ -9,6 +9,7 @@ import sys
 from types import FrameType
 from typing import NoReturn
 
+_heard = False
 CODE = 130
 MESSAGE = "benchbench: interrupted; finished runs are stored, the running one is not"
 
@@ -21,11 +22,18 @@ def take_over() -> None:
 
 def _interrupted(number: int, frame: FrameType | None) -> None:
     """Raise KeyboardInterrupt, except below CasADi: it takes that for a failed evaluation and goes on."""
+    global _heard  # libraries turn the exception into others, or drop it
+    _heard = True
     while frame is not None:
         if str(frame.f_globals.get("__name__")).startswith("casadi"):
             leave()
         frame = frame.f_back
     raise KeyboardInterrupt
+
+
+def heard() -> bool:
+    """Whether Ctrl-C was pressed: an error that follows is told as that."""
+    return _heard
 
 
 def leave() -> NoReturn:

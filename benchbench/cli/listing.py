@@ -16,7 +16,7 @@ from omegaconf import OmegaConf
 
 from benchbench.ground import registry
 from benchbench.ground.errors import BadInput
-from benchbench.nlp.availability import Availability, works
+from benchbench.nlp.availability import Availability, begin, works
 from benchbench.nlp.solver import Accuracy, Setup
 from benchbench.ocp.kinds import OWN as OWN_KINDS
 from benchbench.run import config
@@ -58,6 +58,7 @@ def listing(arguments: Sequence[str], hear: Callable[[str], None] = lambda _: No
 
 
 def _everything(hear: Callable[[str], None]) -> Iterator[str]:
+    begin()
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
         found = {family: _family(family, hear) for family in (*config.FAMILIES, "peer", *FLYING)}
     found |= {family: _registered(family) for family in ("contacts", "motions", "task_families")}
@@ -148,8 +149,22 @@ def _text(fields: dict[str, Any]) -> str:
 
 
 def _origin(fields: dict[str, Any]) -> str:
-    package = str(fields.get("_target_", "")).partition(".")[0]
-    return _distribution((_distributions().get(package) or [package])[0])
+    """Who registers the class, else whose package it is in."""
+    target = str(fields.get("_target_", ""))
+    package = target.partition(".")[0]
+    return _distribution(_registrars().get(target) or (_distributions().get(package) or [package])[0])
+
+
+@cache
+def _registrars() -> dict[str, str]:
+    """Names of the distributions that register plugins, by class."""
+    everything = (
+        entry
+        for family in registry.FAMILIES
+        for group in registry.entries(family).values()
+        for entry in group
+    )
+    return {entry.value.replace(":", "."): entry.dist.name for entry in everything if entry.dist}
 
 
 _distributions = cache(packages_distributions)  # reads the metadata of everything that is installed

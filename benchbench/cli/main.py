@@ -21,11 +21,14 @@ def main() -> None:
             complete()  # never returns
         from benchbench.cli import front  # imports next to nothing; Ctrl-C is heard by now
 
-        code = front.answer(sys.argv[1:])
+        asked = front.meant(sys.argv[1:])
+        code = front.answer(asked)
         if code is None:
             from benchbench.cli.application import start  # imports everything
 
-            code = start(sys.argv[1:])
+            code = start(asked)
+        if interrupt.heard():
+            interrupt.leave()
         sys.stdout.flush()
     except KeyboardInterrupt:
         interrupt.leave()

@@ -10,7 +10,9 @@ from rich.table import Table
 
 from benchbench.analysis.suite import Row
 from benchbench.cli.suite_summary import rows_of, why
-from benchbench.run.summary import near, show_line
+from benchbench.run.fitting import fitted
+from benchbench.run.summary import near
+from benchbench.run.sweep_line import show_line
 from benchbench.sweep.sweep import Swept, shared
 
 COLUMNS = (
@@ -33,7 +35,7 @@ def conclude(swept: Sequence[Swept]) -> None:
     console = Console(highlight=False)
     console.print(_table([row for _, row in runs if row]))
     for line in _failures(runs, common):
-        console.print(line, soft_wrap=True, markup=False)
+        print(fitted(line, 6))
     for root in dict.fromkeys(near(one.place.root) for one in swept if one.place):
         console.print(
             f"{'results':<9}{root}\n{'report':<9}benchbench report {root}", soft_wrap=True, markup=False

@@ -25,7 +25,7 @@ from benchbench.ground.errors import BenchBenchError, Unavailable
 from benchbench.mpcc.problem import Mpcc, Variable, block, rows
 from benchbench.nlp.solver import Point, Setup
 
-IMPORTED = ("casadi", "hydra", __name__)
+IMPORTED = ("benchbench.nlp.quiet_interrupt", "casadi", "hydra", __name__)
 """Modules of the process that forks."""
 
 
@@ -40,6 +40,20 @@ class Availability:
 def works(config: Mapping[str, Any], seconds: float = 60.0) -> Availability:
     """Try a solver, given as the configuration that makes it (`_target_` and fields)."""
     return ask(__name__, json.dumps(config, sort_keys=True), seconds)
+
+
+def begin() -> None:
+    """Start the process that forks, deaf to Ctrl-C until it knows how to end quietly; for the main thread, before others ask."""
+    if "forkserver" not in get_all_start_methods():
+        return
+    from multiprocessing import forkserver
+
+    get_context("forkserver").set_forkserver_preload(list(IMPORTED))
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @cache

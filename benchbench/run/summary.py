@@ -44,33 +44,6 @@ def show(record: Mapping[str, Any], paths: Mapping[str, Path], console: Console 
         console.print(Text(f"{name:<13}", style="bold") + Text(place, style="not bold"), soft_wrap=True)
 
 
-def show_line(
-    number: int, record: Mapping[str, Any], combination: str, console: Console | None = None
-) -> None:
-    """Print one run of a sweep on one line, cut to the width of a terminal; console: as of `complain`."""
-    console = console or Console(highlight=False)
-    verdict = "certified" if record["certified"] else f"NOT: {record['status']}"
-    if record["certified"] and record["b_stationary"] == "no":
-        verdict = "not stationary"
-    timed = flies(record) or record["objective"] is None
-    found = _number(record["travel_time_s"], ".4f", "s") if timed else f"f = {record['objective']:.6g}"
-    line = Text(f"{number:>4}  ") + Text(f"{verdict:<20}", "green" if record["certified"] else "red")
-    gap = "" if record["gap_percent"] is None else f"{record['gap_percent']:+.3f} %"
-    flown = (
-        "" if record["flights"] is None else f"{record['flights_succeeded']}/{record['flights']} flights  "
-    )
-    line += Text(f"  {found:>9}  {gap:>10}  ", "bold green" if new_best(record) else "")
-    line += Text(flown) + Text(combination)
-    if console.is_terminal:
-        line.truncate(console.width, overflow="ellipsis")
-    console.print(line, soft_wrap=True)
-
-
-def count(certified: int, runs: int) -> None:
-    """Print how a sweep went."""
-    Console(highlight=False).print(f"{certified} of {runs} runs certified")
-
-
 def lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     """What is said of a record: a name and a text, which may have several lines, for each row."""
     choices = " / ".join(
@@ -78,7 +51,7 @@ def lines(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     )
     size = _size(r)
     times = (r["build_cpu_s"], r["solve_cpu_s"], r["certificate_cpu_s"])
-    build, solve, check = (_number(value, ".2f", "s") for value in times)
+    build, solve, check = (number(value, ".2f", "s") for value in times)
     return [
         (str(r["scenario"]), f"{choices}{'; ' if len(choices) + len(size) < ONE_LINE else chr(10)}{size}"),
         ("verdict", _verdict(r)),
@@ -95,9 +68,9 @@ def flies(r: Mapping[str, Any]) -> bool:
 
 def _solution(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     """What there is to say of the solution of an MPCC that is no flight."""
-    residuals = (f"{_number(r['max_violation'], '.1e', '')}violated, "
-                 f"largest product of a pair {_number(r['max_product'], '.1e', '')}")  # fmt: skip
-    lines: list[tuple[str, Text | str]] = [("objective", f"{_number(r['objective'], '.8g', '')}{_known(r)}")]
+    residuals = (f"{number(r['max_violation'], '.1e', '')}violated, "
+                 f"largest product of a pair {number(r['max_product'], '.1e', '')}")  # fmt: skip
+    lines: list[tuple[str, Text | str]] = [("objective", f"{number(r['objective'], '.8g', '')}{_known(r)}")]
     if r["published_objective"] is not None:
         lines.append(("published", f"{r['published_objective']:.8g}: {r['published_source']}"))
     if new_best(r):
@@ -105,14 +78,14 @@ def _solution(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     lines.append(("residuals", residuals))
     if r["stationarity"] is not None:
         text = f"{r['stationarity']}, B-stationary: {r['b_stationary']}"
-        lines.append(("stationary", f"{text} (KKT residual {_number(r['kkt_residual'], '.1e', '')})"))
+        lines.append(("stationary", f"{text} (KKT residual {number(r['kkt_residual'], '.1e', '')})"))
     return lines
 
 
 def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
     lines: list[tuple[str, Text | str]] = [
-        ("travel time", f"{_number(r['travel_time_s'], '.4f', 's')}   "
-                        f"(lower bound {_number(r['lower_bound_s'], '.3f', 's')}{_best(r)})"),
+        ("travel time", f"{number(r['travel_time_s'], '.4f', 's')}   "
+                        f"(lower bound {number(r['lower_bound_s'], '.3f', 's')}{_best(r)})"),
         *_limited(r),
     ]  # fmt: skip
     if new_best(r):
@@ -142,7 +115,7 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
 
 def _costs(costs: Mapping[str, float | None]) -> str:
     """The own cost terms of a scenario, which count beside the travel time."""
-    return ", ".join(f"{name} {_number(value, '.4f', 's')}" for name, value in costs.items())
+    return ", ".join(f"{name} {number(value, '.4f', 's')}" for name, value in costs.items())
 
 
 def _limited(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
@@ -285,7 +258,8 @@ def _places(paths: Mapping[str, Path]) -> dict[str, str]:
     return shown | ({"table": near(folders[0])} if folders else {})
 
 
-def _number(value: float | None, form: str, unit: str) -> str:
+def number(value: float | None, form: str, unit: str) -> str:
+    """Return a number with its unit, a dash for none."""
     return "-" if value is None else f"{value:{form}} {unit}"
 
 

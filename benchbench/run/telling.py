@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 
 from rich.console import Console
@@ -67,4 +68,18 @@ def complain(kind: str, text: str, trace: str = "", console: Console | None = No
         console.print(Text(trace), soft_wrap=True, end="")
     console.print(Text("benchbench: ") + Text(kind, "bold red"), soft_wrap=True)
     for line in text.splitlines():
-        console.print(Text(f"  {line}"), soft_wrap=True)
+        console.print(Text(_indented(line, console)), soft_wrap=True)
+
+
+def _indented(line: str, console: Console) -> str:
+    """A line of a message, on a terminal wrapped at words."""
+    if not console.is_terminal:
+        return f"  {line}"
+    return textwrap.fill(
+        line,
+        console.width,
+        initial_indent="  ",
+        subsequent_indent="  ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

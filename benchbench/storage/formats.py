@@ -55,7 +55,7 @@ def csv(table: pa.Table) -> bytes:
 
 def markdown(table: pa.Table) -> bytes:
     """A table as GitHub shows it."""
-    rows = _texts(table)
+    rows = texts(table)
     lines = [rows.columns.tolist(), ["---"] * rows.shape[1], *rows.to_numpy().tolist()]
     escaped = [[text.replace("|", "\\|") for text in line] for line in lines]
     return "".join(f"| {' | '.join(line)} |\n" for line in escaped).encode()
@@ -63,7 +63,7 @@ def markdown(table: pa.Table) -> bytes:
 
 def latex(table: pa.Table) -> bytes:
     """A tabular for the package booktabs, escaped. Raises Unavailable where jinja2 is not installed."""
-    rows = _texts(table)
+    rows = texts(table)
     sides = "".join("r" if _is_number(table.schema.field(name).type) else "l" for name in rows)
     try:
         return rows.to_latex(index=False, escape=True, column_format=sides).encode()
@@ -92,7 +92,7 @@ def _joined(values: list[Any] | None) -> str | None:
     return "; ".join(f"{one[0]} {one[1]}" if isinstance(one, tuple) else str(one) for one in values)
 
 
-def _texts(table: pa.Table) -> pd.DataFrame:
+def texts(table: pa.Table) -> pd.DataFrame:
     """What people read: every cell a short text, no empty column."""
     used = [name for name in table.column_names if table[name].null_count < table.num_rows]
     rows = _flat(table).select(used)

@@ -11,8 +11,8 @@ from typing import Self, final
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from benchbench.run import summary
 from benchbench.run.execution import Ended
+from benchbench.run.sweep_line import show_line
 from benchbench.run.telling import complain
 
 
@@ -72,7 +72,7 @@ class Display:
             where = f"{complaint.kind} (run {number}: {combination})"
             complain(where, complaint.text, complaint.trace if self._traced else "", self._errors)
         if end.record is not None and not end.complaints:
-            summary.show_line(number, end.record, combination, self._rows)
+            show_line(number, end.record, combination, self._rows)
         status = str(end.record["status"]) if end.record else "bad input"
         self._certified += status == "certified"
         self._failures[status] += status != "certified"

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 
 from benchbench.cli.arguments import Parser
+from benchbench.run.fitting import fitted
 
 EPILOG = """Solvers are tried in processes of their own, so that one which crashes, or has no licence, is told as such. What
 was found is remembered until Python, an installed distribution, a plugin, a library or a licence changes.
@@ -18,6 +20,8 @@ examples
 
 
 REMEMBERED = "plugins"
+COLUMNS = re.compile(r"  \S+ +\S+ +")
+"""What stands in front of the text of a choice."""
 
 
 def at_once(arguments: Sequence[str]) -> int | None:
@@ -26,8 +30,14 @@ def at_once(arguments: Sequence[str]) -> int | None:
 
     if arguments or (lines := recall(REMEMBERED)) is None:
         return None
-    print("\n".join(lines))
+    _show(lines)
     return 0
+
+
+def _show(lines: Iterable[str]) -> None:
+    for line in lines:
+        columns = COLUMNS.match(line)
+        print(fitted(line, columns.end() if columns else 0))
 
 
 def run(arguments: Sequence[str]) -> int:
@@ -39,7 +49,7 @@ def run(arguments: Sequence[str]) -> int:
     asked = parser().parse_args(arguments)
     with Working("trying every plugin; what is found is remembered") as hear:
         lines = [*listing([asked.choice] if asked.choice else [], hear)]
-    print("\n".join(lines))
+    _show(lines)
     if not asked.choice:
         keep(REMEMBERED, lines)
     return 0

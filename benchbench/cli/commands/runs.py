@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
 from benchbench.ground.errors import BadInput
+from benchbench.run.fitting import fitted, on_terminal, width
 
 if TYPE_CHECKING:
     from benchbench.storage.runs import StoredRun
@@ -36,18 +37,43 @@ def run(arguments: Sequence[str]) -> int:
             print(f"removed {_line(gone)}")
         return 0
     runs = [run for run in stored(asked.folder) if asked.status in (None, run.record["status"])]
-    for found in runs:
-        print(_line(found))
+    _list(runs)
     lost = sum(found.folder is None for found in runs)
     print(f"{len(runs)} runs" + (f", {lost} without a folder (--remove-orphans)" if lost else ""))
     return 0
 
 
+def _list(runs: Sequence[StoredRun]) -> None:
+    """A line each; on a terminal in columns, without the names of runs where those do not fit, since their folders name them, too."""
+    if not on_terminal():
+        for found in runs:
+            print(_line(found))
+        return
+    cells = [(found.name, *_told(found)) for found in runs]
+    widths = [max((len(row[i]) for row in cells), default=0) for i in range(4)]
+    longest = sum(widths) + 8 + max((len(row[4]) for row in cells), default=0)
+    first = 0 if longest <= width() else 1
+    indent = sum(w + 2 for w in widths[first:])
+    for row in cells:
+        aligned = (f"{text:<{w}}  " for text, w in zip(row[first:4], widths[first:], strict=True))
+        print(fitted("".join(aligned) + row[4], indent))
+
+
 def _line(run: StoredRun) -> str:
+    scenario, status, time, place = _told(run)
+    return f"{run.name}  {scenario}  {status}{f'  {time}' if time else ''}  {place}"
+
+
+def _told(run: StoredRun) -> tuple[str, str, str, str]:
+    """Scenario, status, travel time and folder."""
     time = run.record["travel_time_s"]
-    told = "" if time is None else f"  {time:.4f} s"
-    place = run.folder or "its folder is gone"
-    return f"{run.name}  {run.record['scenario'] or ''}  {run.record['status'] or ''}{told}  {place}"
+    told = "" if time is None else f"{time:.4f} s"
+    return (
+        run.record["scenario"] or "",
+        run.record["status"] or "",
+        told,
+        str(run.folder or f"{run.name}: its folder is gone"),
+    )
 
 
 def parser() -> Parser:

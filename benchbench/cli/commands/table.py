@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
 from benchbench.ground.errors import BadInput, unknown_field
+from benchbench.run.fitting import on_terminal
 from benchbench.run.telling import complain
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ EXAMPLES = """examples
 
 def run(arguments: Sequence[str]) -> int:
     """Write the table to a file or stdout; raises BadInput."""
+    from benchbench.cli.drawn_table import draw
     from benchbench.storage.describe import describe
     from benchbench.storage.files import write_bytes
     from benchbench.storage.formats import WRITERS
@@ -51,6 +53,8 @@ def run(arguments: Sequence[str]) -> int:
     flown = short and rows["flights"].null_count < rows.num_rows
     usual = SHARED * shared + SHORT + FLOWN * flown
     rows = _choose(rows, asked.columns or (",".join(usual) if short else "all"))
+    if asked.output is None and asked.format is None and on_terminal() and draw(rows):
+        return 0
     data = WRITERS[kind](rows)
     if asked.output:
         write_bytes(asked.output, data)
