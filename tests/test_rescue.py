@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 from small_mpccs import by_hand
 
+from benchbench.ground.arrays import Array
 from benchbench.mpcc.problem import evaluate
 from benchbench.nlp.ledger import Ledger
+from benchbench.ocp.contact import Condition, Contact, Target
+from benchbench.ocp.model import Model, Plant
+from benchbench.ocp.node import Node
 from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.planning.disturb import disturbed
@@ -103,3 +107,31 @@ def test_a_solve_that_does_not_end_proves_no_conflict() -> None:
     start = case.guess.plan(case, Ledger(60.0))
     found = rescue(case, Ledger(60.0), [start])
     assert found.plan is None and found.conflict == ""
+
+
+class Above(Contact):
+    """The end effector is 4 cm above the target in contact, which position forbids."""
+
+    noun: ClassVar[str] = "depth below the least height"
+    aside: ClassVar[str] = "below the least height"
+    unit: ClassVar[str] = "m"
+    reach: ClassVar[None] = None
+    limit = 0.005
+
+    def condition(self, model: Model, node: Node, target: Target) -> Condition:
+        return Condition(
+            (target.position[2] + 0.04 - model.tool(node.configuration)[2]) / self.limit - 1, self.unit
+        )
+
+    def gap(self, plant: Plant, q: Array, v: Array, target_position: Array, target_velocity: Array) -> Array:
+        return np.maximum(target_position[..., 2] + 0.04 - plant.tool(q, v)[0][..., 2], 0.0)
+
+
+def test_two_conditions_that_exclude_each_other_are_both_named() -> None:
+    case, ledger = case_of("+scenario=static"), Ledger(60.0)
+    both = case.scenario.model_copy(update={"contacts": {**case.scenario.contacts, "above": Above()}})
+    case = replace(case, scenario=both)
+    found = rescue(case, ledger, [case.guess.plan(case, ledger)])
+    asked, able = found.conflict.split(", against ")
+    names = {"distance", "depth below the least height"}
+    assert {name for name in names if name in asked} | {name for name in names if name in able} == names

@@ -54,21 +54,28 @@ def rescue(case: Case, ledger: Ledger, starts: Sequence[Plan]) -> Rescue:
 
 
 def told(eased: Eased, case: Case) -> str:
-    """Return in words what is missed at least, and the limits of the vehicle at which easing would help most."""
+    """Return in words what is missed at least, and the limits of the vehicle and of contacts at which easing would help most."""
     missed = [text for _, text in sorted(_missed(eased, case), reverse=True)[:MOST]]
-    prices = sorted(_prices(eased, case), reverse=True)
+    prices = sorted((*_prices(eased, case), *_prices_of_contacts(eased, case)), reverse=True)
     named = [text for price, text in prices[:MOST] if price >= SHARE * prices[0][0] and price > 0]
     against = f", against {' and '.join(named)}" if named else ""
     return f"no feasible plan found (no proof); what conflicts most: {' and '.join(missed)}{against}"
 
 
+def _broken(eased: Eased) -> dict[str, float]:
+    """Names of blocks with rows that are broken, each with its slack."""
+    left = max(eased.slack.values())
+    return {name: slack for name, slack in eased.slack.items() if slack >= 1e-3 * left}
+
+
+def _contacts(case: Case) -> dict[str, tuple[Stop, str]]:
+    return {f"{s.prefix}{name}": (s, name) for s in case.scenario.itinerary.stops for name in s.contacts}
+
+
 def _missed(eased: Eased, case: Case) -> Iterator[tuple[float, str]]:
     """Rows that are broken, each with its slack."""
-    contacts = {f"{s.prefix}{name}": (s, name) for s in case.scenario.itinerary.stops for name in s.contacts}
-    left = max(eased.slack.values())
-    for name, slack in eased.slack.items():
-        if slack < 1e-3 * left:
-            continue
+    contacts = _contacts(case)
+    for name, slack in _broken(eased).items():
         if name == "total_time":
             latest = case.scenario.travel_time[1]
             yield slack, f"the travel time {eased.result.plan.travel_time:.3g} s, allowed {latest:g} s"
@@ -109,6 +116,20 @@ def _prices(eased: Eased, case: Case) -> Iterator[tuple[float, str]]:
             active & np.isfinite(bound), price * np.abs(np.where(np.isfinite(bound), bound, 0.0)), 0.0
         )
         yield from _by_name(variable.name, named[variable.name], each.sum(axis=0) / 100)
+
+
+def _prices_of_contacts(eased: Eased, case: Case) -> Iterator[tuple[float, str]]:
+    """Conditions of contacts that are kept, but only just: the same price, of their limits; h = (gap / limit)^2 - 1 (`Condition`)."""
+    multipliers, mpcc, contacts = eased.result.solved.outcome.point.lam_g, eased.result.mpcc, _contacts(case)
+    if multipliers is None:
+        return
+    ends = np.cumsum([0, *(block.lower.size for block in mpcc.constraints)])
+    for block, first in zip(mpcc.constraints, ends, strict=False):
+        if block.name not in contacts or block.name in _broken(eased):
+            continue
+        made, name = contacts[block.name]
+        contact, price = made.contacts[name], np.abs(multipliers[first : first + block.lower.size]).sum()
+        yield float(2 * price) / 100, f"{contact.noun}{made.label}, {contact.limit:g} {contact.unit}"
 
 
 def _by_name(kind: str, of: Coordinates, prices: Array) -> Iterator[tuple[float, str]]:
