@@ -28,6 +28,7 @@ from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
 from benchbench.flight.sensors import Sensors
 from benchbench.flight.statics import hover
+from benchbench.ground.arrays import Array
 from benchbench.ground.errors import BadInput, BenchBenchError, Unavailable
 from benchbench.ocp.airframe import FlownModel
 from benchbench.ocp.motion import Motion
@@ -36,6 +37,7 @@ from benchbench.report.flights import flights_figure
 from benchbench.run import config, pipeline
 from benchbench.run.filming import film_flight
 from benchbench.run.flying import campaign
+from benchbench_plugins.controllers.receding import Receding
 from benchbench_plugins.predictors.constant_turn import ConstantTurn
 
 pytest.importorskip("mujoco", reason="mujoco is not installed")
@@ -258,6 +260,41 @@ def test_a_failing_controller_costs_one_flight(
     broken = replace(flights, controller=Failing(flights.controller, spoil))
     one = broken.once(reference, frame(flown).airframe, 0)
     assert reason in one.verdict.reasons and detail in one.verdict.detail
+
+
+class Watched(Controller):
+    """Another controller, and where it thought the vehicle would be, (10,) each, at what times."""
+
+    def __init__(self, own: Controller) -> None:
+        self.own, self.thought = own, dict[float, Array]()
+
+    def prepare(
+        self, known: Known, correction: Correction, weighing: Weighing
+    ) -> Callable[[Sensed, float], Command]:
+        step = self.own.prepare(known, correction, weighing)
+        assert isinstance(step, Receding)
+
+        def control(sensed: Sensed, now: float) -> Command:
+            command = step(sensed, now)
+            self.thought[now + step.estimate.latency] = step.program.prediction.first.copy()
+            return command
+
+        return control
+
+
+def test_without_news_the_model_knows_where_the_vehicle_is(flown: pipeline.Run, reference: Reference) -> None:
+    """0.3 s in a world that differs by the motors' lag alone: 25 mm/s off if the plan's thrust is thought to come in time."""
+    more = ("mismatch.motor_lag=[0.03,0.03]", "mismatch.blind=[0.3,0.3]", "mismatch.delay=[0.01,0.01]")
+    _, flights = asked("mismatch=none", *more)
+    watched = Watched(flights.controller)
+    log = replace(flights, controller=watched).once(reference, frame(flown).airframe, 0).log
+    ends = reference.window[0] - 0.2
+    off = [
+        log.state[np.argmin(np.abs(log.time - t)), 8:11] - thought[7:]
+        for t, thought in watched.thought.items()
+        if ends - 0.1 < t < ends + 0.02
+    ]
+    assert len(off) > 4 and np.linalg.norm(off, axis=1).max() < 0.012
 
 
 class Unprepared(Controller):

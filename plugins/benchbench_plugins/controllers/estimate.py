@@ -1,6 +1,7 @@
 """Where the vehicle will be when a command works: what was sensed, moved on; and which accelerations surprised.
 
-What the reference asks for is fed forward; what a command changes about it works `latency` later (motors, rate loop).
+What the reference asks for is fed forward, its thrust a little early; that, and what a command changes about it, works `latency`
+after it was told (motors, rate loop).
 """
 
 from __future__ import annotations
@@ -34,9 +35,16 @@ class Estimate:
     """Of one flight."""
 
     def __init__(
-        self, table: Tables, known: Known, correction: Correction, weighing: Weighing, latency: float
+        self,
+        table: Tables,
+        known: Known,
+        correction: Correction,
+        weighing: Weighing,
+        latency: float,
+        lead: float,
     ) -> None:
-        """Remember nothing yet."""
+        """Remember nothing yet; lead: s by which thrust of the reference is told early, so that it works latency - lead late."""
+        self.late = latency - lead
         self.table, self.correction, self.weighing, self.latency = table, correction, weighing, latency
         self.reference, self.mass, self.gravity = (
             known.reference,
@@ -88,7 +96,7 @@ class Estimate:
             row, (_, change) = self.reference.row(middle), self._given(middle)
             asked = self.reference.state[row, 11:14] + change[:3] if turning is None else turning
             omega = (omega + asked) / 2
-            a = self._model(turned(q, omega * (h / 2)), row, change[3]) + self.constant
+            a = self._model(turned(q, omega * (h / 2)), middle, change[3]) + self.constant
             p, v, q, time, omega = p + h * v + h * h / 2 * a, v + h * a, turned(q, omega * h), time + h, asked
         return np.concatenate([p, q, v])
 
@@ -100,7 +108,7 @@ class Estimate:
             command, change = self._given(middle)
             q = last.state[3:7] + sensed.state[3:7]
             q = q / np.linalg.norm(q)
-            expected = self._model(q, self.reference.row(middle), change[3])
+            expected = self._model(q, middle, change[3])
             surprise = (sensed.state[8:11] - last.state[8:11]) / h - expected
             self.correction.observe(Sample(sensed.time, sensed.state, surprise))
             along = float(_up(q) @ (surprise - self.constant))
@@ -115,9 +123,10 @@ class Estimate:
                 return command, change
         return None, NOTHING
 
-    def _model(self, q: Array, row: int, change: float) -> Array:
-        """Acceleration of the model, with the arm's as in the reference."""
-        push = self.table.wrench[row, 0] / self.mass + change
+    def _model(self, q: Array, time: float, change: float) -> Array:
+        """Acceleration of the model at a time, with the arm's as in the reference, whose thrust comes late."""
+        row = self.reference.row(time)
+        push = self.table.wrench[self.reference.row(time - self.late), 0] / self.mass + change
         share = self.payload / (self.mass + self.payload)
         a = _up(q) * push + self.table.coupling[row] + share * self.table.apart[row]
         a[2] -= self.gravity

@@ -53,7 +53,7 @@ def receding(
     """Return the step of a controller; program: made of a prediction and the bounds (4,) of its inputs."""
     frame, most = known.airframe, np.array(known.rig.motor_force) * 4 / known.airframe.total_mass
     table = tables(known.reference, frame, horizon.step)
-    estimate = Estimate(table, known, correction, weighing, horizon.latency)
+    estimate = Estimate(table, known, correction, weighing, horizon.latency, horizon.lead)
     telling = Telling(known, table, horizon.lead)
     if isinstance(known.before, Receding):
         return known.before.onto(table, estimate, telling)
