@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from benchbench.flight.campaign import Flown
 from benchbench.flight.limits import FlightLimits
-from benchbench.flight.reference import Reference, matrices, tip
+from benchbench.flight.reference import Reference, entry, matrices, tip
 from benchbench.ground.arrays import Array
 from benchbench.ocp.airframe import Airframe
 from benchbench.report.png import Picture, write_png
@@ -37,7 +37,11 @@ from benchbench.storage.files import replacing
 POSES = 9
 """Of one vehicle along its way, the later the darker."""
 THIN: dict[str, Any] = {"linewidth": 0.8, "alpha": 0.55}
-SIZE_IN = (14.0, 8.2)
+SIZE_IN = (14.0, 9.6)
+PANELS: list[Any] = [["side", "side", "distance"], ["above", "above", "errors"], ["met", "inputs", "inputs"]]
+"""Ways are wide and low: at one scale for both axes they need two columns."""
+EVERY = 10
+"""Steps of 2 ms over which motor forces are averaged, those of one command: the rate loop's answer to the gyro's noise is a band."""
 
 
 def draw_flights(
@@ -53,17 +57,17 @@ def flights_figure(
 ) -> Figure:
     """Return the figure: six panels, each flight a line, successes and failures in colours of their own."""
     figure = Picture(figsize=SIZE_IN, facecolor="white", layout="constrained")
-    axes = figure.subplots(2, 3)
+    axes = figure.subplot_mosaic(PANELS)
     figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold", color=INK)
     arm = (airframe.arm_offset, airframe.arm_length)
     planned, _ = tip(reference.state, *arm)
     tips = [tip(one.log.state, *arm)[0] for one in flown]
-    _side(axes[0, 0], reference, flown[0], tips[0], planned, airframe)
-    _above(axes[0, 1], reference, flown, tips, planned)
-    _distance(axes[0, 2], reference, flown, tips, planned)
-    _errors(axes[1, 0], reference, flown)
-    _met(axes[1, 1], reference, flown, limits)
-    _inputs(axes[1, 2], reference, flown[0], airframe)
+    _side(axes["side"], reference, flown[0], tips[0], planned, airframe)
+    _above(axes["above"], reference, flown, tips, planned)
+    _distance(axes["distance"], reference, flown, tips, planned)
+    _errors(axes["errors"], reference, flown)
+    _met(axes["met"], reference, flown, limits, entry(reference, *arm))
+    _inputs(axes["inputs"], reference, flown[0], airframe)
     return figure
 
 
@@ -144,7 +148,8 @@ def _distance(
         color=INK,
         linewidth=1.1,
     )
-    axes.axhline(reference.reach, color=CURVES[4], linewidth=1.0)
+    axes.axhline(reference.reach, color=CURVES[4], linewidth=1.0, label="magnet's reach")
+    axes.legend(frameon=False, fontsize=8)
     axes.set_yscale("log")
     axes.set_xlim(0, reference.travel_time)
     axes.set_xlabel("s")
@@ -163,29 +168,49 @@ def _errors(axes: Axes, reference: Reference, flown: Sequence[Flown]) -> None:
     axes.set_xlabel("s")
 
 
-def _met(axes: Axes, reference: Reference, flown: Sequence[Flown], limits: FlightLimits) -> None:
-    """First attachment and speed where the magnet begins to act, of each flight."""
-    axes.set_title("First attachment, and speed of touch  [m/s]")
+def _met(
+    axes: Axes, reference: Reference, flown: Sequence[Flown], limits: FlightLimits, begins: float
+) -> None:
+    """First attachment and speed where the magnet begins to act, of each flight; begins: s, when the plan is within reach."""
+    axes.set_title("Speed of touch  [m/s] at the first attachment")
     _window(axes, reference)
-    axes.axhline(limits.touch_speed, color=LIMIT, linestyle="--", linewidth=1.0)
+    marks = [
+        axes.axhline(limits.touch_speed, color=LIMIT, linestyle="--", linewidth=1.0, label="limit of speed")
+    ]
+    if np.isfinite(begins):
+        place = begins - limits.early
+        marks.append(axes.axvline(place, color=CURVES[4], linewidth=1.0, label="plan within reach"))
     for one in flown:
         axes.plot(
             one.verdict.attached_s, one.verdict.touch_speed, "o", color=_colour(one), markersize=4, alpha=0.7
         )
-    axes.set_ylim(bottom=0)
+    axes.margins(x=0.1)
+    axes.set_ylim(0, 1.25 * max(axes.get_ylim()[1], limits.touch_speed))
+    axes.legend(handles=marks, loc="upper right", ncols=2, frameon=False, fontsize=8)
     axes.set_xlabel("s")
 
 
 def _inputs(axes: Axes, reference: Reference, one: Flown, airframe: Airframe) -> None:
-    """Motor forces of the first flight, and the planner's limits."""
-    axes.set_title(f"Motor forces, flight {one.number}  [N]")
+    """Motor forces of the first flight, asked for in each 20 ms, and the planner's limits."""
+    axes.set_title(f"Motor forces asked, flight {one.number}  [N]")
     _window(axes, reference)
-    axes.plot(one.log.time, one.log.motors, linewidth=0.7)
+    count = len(one.log.motors) // EVERY
+    means = one.log.motors[: count * EVERY].reshape(count, EVERY, one.log.motors.shape[1]).mean(axis=1)
+    for i, column in enumerate(means.T):
+        axes.plot(
+            one.log.time[: count * EVERY : EVERY],
+            column,
+            color=CURVES[i],
+            linewidth=1.0,
+            label=f"motor {i + 1}",
+        )
     for limit in airframe.motor_force:
         axes.axhline(limit, color=LIMIT, linestyle="--", linewidth=1.0)
+    axes.set_ylim(top=1.15 * axes.get_ylim()[1])
+    axes.legend(handles=axes.lines[: means.shape[1]], loc="upper right", ncols=4, frameon=False, fontsize=8)
     axes.set_xlim(0, reference.time[-1])
     axes.set_xlabel("s")
 
 
 def _window(axes: Axes, reference: Reference) -> None:
-    axes.axvspan(*reference.window, color=CONTACT, alpha=0.25, linewidth=0)
+    axes.axvspan(*reference.window, color=CONTACT, alpha=0.25, linewidth=0, label="planned contact")

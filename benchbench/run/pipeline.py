@@ -146,7 +146,11 @@ def _show_flights(done: Run, case: Case, folder: Path, config: str) -> dict[str,
 
     flights, paths = done.flights, {"flights_picture": folder / FLIGHTS_PICTURE, "flight": folder / FLIGHT}
     told = flights.columns
-    title = f"{told['flights_succeeded']} of {told['flights']} flights succeed: {told['residual']}, {told['mismatch']}"
+    why = ", ".join(f"{reason} {count}" for reason, count in told["flight_reasons"].items())
+    title = f"{told['flights_succeeded']} of {told['flights']} flights succeed{f' ({why})' if why else ''}: "
+    title += (
+        f"{case.scenario.name}, {flights.reference.travel_time:.3f} s, {told['residual']}, {told['mismatch']}"
+    )
     draw_flights(
         paths["flights_picture"], flights.reference, flights.flown, flights.airframe, flights.limits, title
     )
