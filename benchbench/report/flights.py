@@ -38,7 +38,7 @@ POSES = 9
 """Of one vehicle along its way, the later the darker."""
 THIN: dict[str, Any] = {"linewidth": 0.8, "alpha": 0.55}
 SIZE_IN = (14.0, 9.6)
-PANELS: list[Any] = [["side", "side", "distance"], ["above", "above", "errors"], ["met", "inputs", "inputs"]]
+PANELS: list[Any] = [["side", "side", "apart"], ["above", "above", "errors"], ["met", "inputs", "inputs"]]
 """Ways are wide and low: at one scale for both axes they need two columns."""
 EVERY = 10
 """Steps of 2 ms over which motor forces are averaged, those of one command: the rate loop's answer to the gyro's noise is a band."""
@@ -64,7 +64,7 @@ def flights_figure(
     tips = [tip(one.log.state, *arm)[0] for one in flown]
     _side(axes["side"], reference, flown[0], tips[0], planned, airframe)
     _above(axes["above"], reference, flown, tips, planned)
-    _distance(axes["distance"], reference, flown, tips, planned)
+    _distance(axes["apart"], reference, flown, tips, planned)
     _errors(axes["errors"], reference, flown)
     _met(axes["met"], reference, flown, limits, entry(reference, *arm))
     _inputs(axes["inputs"], reference, flown[0], airframe)
