@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from program import assert_refused, told
-from test_front import HEAVY
+from test_at_once import HEAVY
 
 from benchbench.cli import commands
 
@@ -35,8 +35,8 @@ def test_a_command_explains_itself_with_examples(tmp_path: Path, command: str) -
 
 
 def test_no_help_waits_for_the_program_behind_it(tmp_path: Path) -> None:
-    asks = "import sys; from benchbench.cli import commands, front\n"
-    asks += "for name in commands.names(): front.answer([name, '--help'])\n"
+    asks = "import sys; from benchbench.cli import at_once, commands\n"
+    asks += "for name in commands.names(): at_once.answer([name, '--help'])\n"
     asks += "print(*{name.partition('.')[0] for name in sys.modules}, file=sys.stderr)"
     done = subprocess.run(
         [sys.executable, "-c", asks], capture_output=True, text=True, check=True, cwd=tmp_path

@@ -11,9 +11,9 @@ from program import assert_refused, records, told
 from sweeps import QUICK
 
 from benchbench.storage.adopt import adopt, whole
-from benchbench.storage.claims import CLAIMS
 from benchbench.storage.configuration import read as read_yaml
 from benchbench.storage.files import run_name, write_record
+from benchbench.storage.locks import LOCKS
 from benchbench.storage.schema import make_record
 from benchbench.storage.table import folder, read
 
@@ -56,7 +56,7 @@ def test_runs_that_are_given_one_folder_get_one_each_and_resuming_makes_them_who
 def test_a_folder_is_anothers_while_a_run_is_at_work_in_it(tmp_path: Path) -> None:
     place, root = tmp_path / "results" / "here", tmp_path / "results"
     code = (
-        "import sys; from pathlib import Path; from benchbench.storage.claims import alone_in\n"
+        "import sys; from pathlib import Path; from benchbench.storage.locks import alone_in\n"
         f"with alone_in(Path({str(place)!r}), Path({str(root)!r})): print(); sys.stdin.readline()"
     )
     other = subprocess.Popen(
@@ -70,7 +70,7 @@ def test_a_folder_is_anothers_while_a_run_is_at_work_in_it(tmp_path: Path) -> No
     assert (place / "plan.mcap").read_text() == "theirs" and not records(root)
     other.communicate("\n", timeout=60)
     assert told(tmp_path, *run).returncode == 1
-    assert len(records(root)) == 1 and (root / CLAIMS).exists()
+    assert len(records(root)) == 1 and (root / LOCKS).exists()
 
 
 def test_no_two_folders_have_one_name() -> None:

@@ -14,15 +14,15 @@ from hydra._internal.utils import get_args_parser
 from hydra.core.config_search_path import ConfigSearchPath
 from omegaconf import DictConfig
 
-from benchbench.cli import commands, front, interrupt, sweep_summary
+from benchbench.cli import at_once, commands, interrupt, sweep_summary
 from benchbench.cli.composing import compose_and_run
 from benchbench.ground.errors import BadInput, Unavailable
 from benchbench.run import config, summary
-from benchbench.run.drawing import drawn
 from benchbench.run.execution import BAD_INPUT, CERTIFIED, Ended, Place, execute, failure
 from benchbench.run.flying import flying
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.overrides import carried
+from benchbench.run.random_task import drawn
 from benchbench.run.sweep_line import count
 from benchbench.run.telling import complain
 from benchbench.sweep.combination import Combination
@@ -37,8 +37,8 @@ NOTHING = ("", "''", '""', "null")
 
 def start(arguments: Sequence[str]) -> int:
     """Do what the command line asks and return the exit code."""
-    arguments = front.meant(arguments)
-    if (answered := front.answer(arguments)) is not None:
+    arguments = at_once.meant(arguments)
+    if (answered := at_once.answer(arguments)) is not None:
         return answered
     traced = "--traceback" in arguments
     sys.argv[1:] = [a for a in arguments if a != "--traceback"]

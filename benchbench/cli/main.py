@@ -19,10 +19,10 @@ def main() -> None:
             from benchbench.cli.completion import complete
 
             complete()  # never returns
-        from benchbench.cli import front  # imports next to nothing; Ctrl-C is heard by now
+        from benchbench.cli import at_once  # imports next to nothing; Ctrl-C is heard by now
 
-        asked = front.meant(sys.argv[1:])
-        code = front.answer(asked)
+        asked = at_once.meant(sys.argv[1:])
+        code = at_once.answer(asked)
         if code is None:
             from benchbench.cli.application import start  # imports everything
 

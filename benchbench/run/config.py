@@ -28,11 +28,11 @@ from benchbench.planning.task_hash import task_hash
 from benchbench.run import flying, settings, trust
 from benchbench.run.choices import PARTS
 from benchbench.run.choices import folder as place
-from benchbench.run.drawing import drawn
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.making import made
 from benchbench.run.overrides import implied, implying
 from benchbench.run.plugin_choices import SearchPath
+from benchbench.run.random_task import drawn
 from benchbench.transcription.dynamics import Dynamics
 
 KINDS: dict[str, type | tuple[type, ...]] = {

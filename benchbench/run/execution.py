@@ -34,9 +34,9 @@ from benchbench.run.failure import cut, failed, reason
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.progress import LiveLine
 from benchbench.storage.best_known import BEST_KNOWN, REFERENCES, known
-from benchbench.storage.claims import alone_in
 from benchbench.storage.contents import contents
 from benchbench.storage.files import RECORD, run_name, vacate, write_record
+from benchbench.storage.locks import alone_in
 from benchbench.storage.schema import Record
 
 CERTIFIED, NOT_CERTIFIED, BAD_INPUT = 0, 1, 2

@@ -13,7 +13,7 @@ from benchbench.run.execution import Ended, Place, failure
 from benchbench.run.hydra_errors import EXPECTED
 from benchbench.run.redraw import redraw
 from benchbench.run.settings import Settings
-from benchbench.storage.claims import Claims, name_of
+from benchbench.storage.locks import Locks, name_of
 from benchbench.sweep.combination import Combination
 from benchbench.sweep.job import Job
 from benchbench.sweep.resume import Earlier
@@ -43,7 +43,7 @@ class Agenda:
         self._elsewhere: list[tuple[Combination, Place, Settings]] = []
         self._mine: set[str] = set()
         self._folders: set[Path] = set()
-        self._claims, self._earlier = cache(Claims), cache(Earlier)
+        self._locks, self._earlier = cache(Locks), cache(Earlier)
         self.places: dict[int, Place] = {}
         """Where the combinations that could be composed stand, by number."""
 
@@ -68,7 +68,7 @@ class Agenda:
     def done(self, place: Place) -> None:
         """Hear that a task has its row."""
         for name in (place.labels["config_hash"], name_of(place.folder)):
-            self._claims(place.root).release(name)
+            self._locks(place.root).release(name)
 
     def _composed(self, combination: Combination) -> Task | None:
         place, job = None, None
@@ -91,17 +91,17 @@ class Agenda:
         """Whether this sweep shall run it; if so, no other one does from here on."""
         if settings.rerun == "all":
             return True
-        claims, label = self._claims(place.root), place.labels["config_hash"]
+        locks, label = self._locks(place.root), place.labels["config_hash"]
         earlier = self._earlier(place.root, settings.rerun, settings.repeats)
         code = earlier.exit_code(label)
         if code is None:
-            if not claims.take(label):
+            if not locks.take(label):
                 self._elsewhere.append((combination, place, settings))
                 return False
             earlier.read(self._mine)  # another sweep may have run it since the last time
             code = earlier.exit_code(label)
             if code is not None:
-                claims.release(label)
+                locks.release(label)
         if code is not None:
             folder = earlier.folder(label)
             if settings.draws(sweep=True) and folder is not None:
@@ -128,10 +128,10 @@ class Agenda:
 
     def _free(self, place: Place) -> bool:
         """Whether no other run, of this sweep or another one, is or was in its folder; if so, none will be."""
-        claims, name = self._claims(place.root), name_of(place.folder)
-        if place.folder in self._folders or not claims.take(name):
+        locks, name = self._locks(place.root), name_of(place.folder)
+        if place.folder in self._folders or not locks.take(name):
             return False
         if place.taken:
-            claims.release(name)
+            locks.release(name)
             return False
         return True

@@ -17,8 +17,8 @@ from benchbench.run import memory
 from benchbench.run.execution import Ended
 from benchbench.run.settings import Settings
 from benchbench.sweep import processes, worker
-from benchbench.sweep.hand import Hand
 from benchbench.sweep.keeper import Exit
+from benchbench.sweep.keeper_handle import KeeperHandle
 from benchbench.sweep.task import LOG, Ends, Task, Tasks
 
 STARTS = 3
@@ -57,7 +57,7 @@ class _Pool:
     def __init__(self, tasks: Tasks, search_path: ConfigSearchPath) -> None:
         self._tasks, self._search_path = tasks, search_path
         self._others = processes.descendants([os.getpid()])
-        self._hands: list[Hand] = []
+        self._hands: list[KeeperHandle] = []
         self._waiting: deque[Task] = deque()
         self._deaths: Counter[int] = Counter()  # of keepers, by the number of the run that they had
         self._failed_starts, self._exhausted = 0, False
@@ -81,7 +81,7 @@ class _Pool:
             self._remove(hand)
 
     @property
-    def _idle(self) -> list[Hand]:
+    def _idle(self) -> list[KeeperHandle]:
         return [hand for hand in self._hands if hand.task is None]
 
     def _fetch(self) -> bool:
@@ -104,9 +104,9 @@ class _Pool:
         wanted = max((settings.workers for _, _, settings in self._waiting), default=0)
         if len(self._waiting) > len(self._idle) and len(self._hands) < wanted:
             drawing = any(settings.draws(sweep=True) for _, _, settings in self._waiting)
-            self._hands.append(Hand(self._search_path, drawing))
+            self._hands.append(KeeperHandle(self._search_path, drawing))
 
-    def _hear(self, hand: Hand) -> Ends:
+    def _hear(self, hand: KeeperHandle) -> Ends:
         task, said = hand.task, None if hand.overdue else hand.hear()
         if isinstance(said, Exit) and task:
             hand.task = None
@@ -118,7 +118,7 @@ class _Pool:
             if task:
                 yield from self._bereaved(task, late)
 
-    def _remove(self, hand: Hand) -> None:
+    def _remove(self, hand: KeeperHandle) -> None:
         """Kill it, what is below it, and what a dead one has left to us."""
         self._hands.remove(hand)
         hand.close()

@@ -14,7 +14,7 @@ from optuna.trial import Trial, TrialState
 
 from benchbench.ground.errors import BadInput
 from benchbench.run.settings import NOT_DECISIVE
-from benchbench.storage.claims import Claims
+from benchbench.storage.locks import Locks
 from benchbench.sweep.tuning.space import SearchSpace
 
 HOST, PROBLEMS, FIXED = "host", "problems", "fixed"
@@ -43,8 +43,8 @@ def check_same(study: optuna.Study, space: SearchSpace) -> None:
 @contextmanager
 def at_work(trial: Trial, folder: Path) -> Iterator[None]:
     """Hold a trial: it fails where this process leaves it unfinished, and others can tell that it is not dead."""
-    claims = Claims(folder)
-    claims.take(_name(trial.number))
+    locks = Locks(folder)
+    locks.take(_name(trial.number))
     trial.set_user_attr(HOST, platform.node())
     try:
         yield
@@ -52,18 +52,18 @@ def at_work(trial: Trial, folder: Path) -> Iterator[None]:
         trial.study.tell(trial, state=TrialState.FAIL, skip_if_finished=True)
         raise
     finally:
-        claims.close()
+        locks.close()
 
 
 def bury(study: optuna.Study, folder: Path) -> int:
     """Fail the running trials whose process on this machine is dead; returns how many."""
     dead = 0
     for trial in study.get_trials(states=(TrialState.RUNNING,)):
-        claims = Claims(folder)
-        if trial.user_attrs.get(HOST) == platform.node() and claims.take(_name(trial.number)):
+        locks = Locks(folder)
+        if trial.user_attrs.get(HOST) == platform.node() and locks.take(_name(trial.number)):
             study.tell(trial.number, state=TrialState.FAIL, skip_if_finished=True)
             dead += 1
-        claims.close()
+        locks.close()
     return dead
 
 

@@ -85,8 +85,8 @@ class IsolatedLauncher(Launcher):
         ]
 
     def _compose(self, number: int, overrides: Sequence[str]) -> DictConfig:
-        from benchbench.run.drawing import drawn
         from benchbench.run.overrides import implied
+        from benchbench.run.random_task import drawn
 
         loader = self._context.config_loader
         composed = loader.load_sweep_config(self._config, list(overrides))

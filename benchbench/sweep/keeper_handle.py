@@ -21,7 +21,7 @@ GRACE_S = 10.0
 
 
 @final
-class Hand:
+class KeeperHandle:
     """A fresh interpreter, which inherits no threads, with the task that it carries out."""
 
     def __init__(self, search_path: ConfigSearchPath, picture: bool) -> None:

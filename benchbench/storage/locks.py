@@ -12,40 +12,40 @@ from typing import final
 
 from benchbench.ground.errors import BadInput
 
-CLAIMS = ".claims"
+LOCKS = ".claims"
 """An empty file in the folder of results; each run, and its folder, has one of its bytes locked while it is at work."""
 
 
 def name_of(folder: Path) -> str:
-    """What a run's folder is claimed by."""
+    """The name by which a run's folder is locked."""
     return hashlib.sha256(str(folder).encode("utf-8", "surrogateescape")).hexdigest()[:16]
 
 
 @contextmanager
 def alone_in(folder: Path, root: Path) -> Iterator[None]:
     """Have a run's folder for oneself; raises BadInput while another process has it."""
-    claims = Claims(root)
+    locks = Locks(root)
     try:
-        if not claims.take(name_of(folder)):
+        if not locks.take(name_of(folder)):
             problem = f"another run is at work in '{folder}'"
             raise BadInput("hydra.run.dir", problem, "a folder of its own for each run")
         yield
     finally:
-        claims.close()
+        locks.close()
 
 
 @final
-class Claims:
+class Locks:
     """Locks on the bytes of a file; the system takes them back when this process ends, however it does."""
 
     def __init__(self, root: Path) -> None:
-        """Take the folder of results; the file is made with the first claim."""
-        self._path, self._file, self._held = root / CLAIMS, -1, Counter[str]()
+        """Take the folder of results; the file is made with the first lock."""
+        self._path, self._file, self._held = root / LOCKS, -1, Counter[str]()
 
     def take(self, name: str) -> bool:
-        """Claim a run by its configuration hash, once more if it is claimed here; False if another process has it.
+        """Lock a run by its configuration hash, once more if it is locked here; False if another process has it.
 
-        Where the file system knows no locks, each process has its own claims only.
+        Where the file system knows no locks, each process has its own locks only.
         """
         if not self._held[name] and not self._lock(name):
             return False
@@ -53,14 +53,14 @@ class Claims:
         return True
 
     def release(self, name: str) -> None:
-        """Give one claim back."""
+        """Give one lock back."""
         if self._held[name] == 1:
             _locked(self._file, name, False)
         if self._held[name]:
             self._held[name] -= 1
 
     def close(self) -> None:
-        """Give all claims of this process back."""
+        """Give all locks of this process back."""
         if self._file >= 0:
             os.close(self._file)
             self._file = -1

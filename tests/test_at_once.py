@@ -10,7 +10,7 @@ import pytest
 from hydra._internal.utils import get_args_parser
 from program import assert_refused, told
 
-from benchbench.cli import front
+from benchbench.cli import at_once
 from benchbench.run import choices, config
 
 SMALL = ("+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=12", "picture=false")
@@ -27,8 +27,8 @@ def test_families_and_options_are_all_there_are() -> None:
     assert tuple(config.KINDS) == choices.FAMILIES
     options = {name for action in get_args_parser()._actions for name in action.option_strings}
     ours = {"--version", "--traceback"}
-    assert {name for name in options if name.startswith("--")} | ours == {*front.LONG}
-    assert {*front.ELSEWHERE} < options
+    assert {name for name in options if name.startswith("--")} | ours == {*at_once.LONG}
+    assert {*at_once.ELSEWHERE} < options
 
 
 def test_own_configuration_counts(tmp_path: Path) -> None:
@@ -50,7 +50,7 @@ def test_what_is_not_plain_is_left_to_hydra(tmp_path: Path) -> None:
         ["-m", "solver=nope"], ["solver=ipopt,nope"], ["strategy@strategy.of=nope"], ["solver=null"], ["~solver"],
         ["solver=nope", "hydra.searchpath=[file:///elsewhere]"], ["--config-name", "x", "solver=nope"],
     ):  # fmt: skip
-        assert front.answer(["+scenario=static", *asked]) is None
+        assert at_once.answer(["+scenario=static", *asked]) is None
 
 
 def imported(*arguments: str, folder: Path) -> set[str]:
