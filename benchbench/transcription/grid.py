@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -53,13 +54,13 @@ class Grid:
         """Total number of intervals N."""
         return sum(p.intervals for p in self.phases)
 
-    @property
+    @cached_property
     def step_weights(self) -> Array:
         """W (N, phases): interval k has the step h_k = W[k] @ durations, in s."""
         unit = np.eye(len(self.phases))
         return np.concatenate([np.outer(p.steps, unit[i]) for i, p in enumerate(self.phases)])
 
-    @property
+    @cached_property
     def time_weights(self) -> Array:
         """W (N + 1, phases): node k is at t_k = W[k] @ durations, in s."""
         return np.concatenate([np.zeros((1, len(self.phases))), np.cumsum(self.step_weights, axis=0)])

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import casadi as ca
@@ -83,7 +84,7 @@ class Stages:
     grid: Grid
     n: Mapping[State, int]
 
-    @property
+    @cached_property
     def inner(self) -> list[int]:
         """Stages that have unknowns of their own."""
         first, last = int(self.tableau.starts_at_node), self.tableau.stages - int(self.tableau.ends_at_node)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -37,12 +38,12 @@ class Tableau:
         """Number of stages s."""
         return len(self.b)
 
-    @property
+    @cached_property
     def starts_at_node(self) -> bool:
         """The first stage is the left node (explicit and Lobatto methods)."""
         return bool(np.all(self.a[0] == 0.0))
 
-    @property
+    @cached_property
     def ends_at_node(self) -> bool:
         """The last stage is the right node (stiffly accurate methods)."""
         return bool(np.allclose(self.a[-1], self.b, atol=1e-14))

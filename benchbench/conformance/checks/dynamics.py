@@ -26,7 +26,7 @@ from benchbench.conformance.checks.initial_value import (
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import at_rest
 from benchbench.ground.arrays import Array
-from benchbench.mpcc.problem import Mpcc, evaluate, gather
+from benchbench.mpcc.problem import evaluate, gather
 from benchbench.ocp.model import Model, input_bounds, output, output_bounds, output_box
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
@@ -234,22 +234,10 @@ def _moved(plan: Plan, what: str, row: int, column: int, value: float) -> Plan:
 
 def _expect(transcribed: Transcribed, plan: Plan, broken: bool, what: str) -> None:
     """Fail unless bounds and inequality rows say `broken`."""
-    violation = inequality_violation(transcribed.mpcc, transcribed.encode(plan))
+    violation = transcribed.limits.violation(transcribed.encode(plan))
     require(
         (violation > 1e-7) == broken, f"{what}: {'not noticed' if broken else f'violation {violation:.1e}'}"
     )
-
-
-def inequality_violation(mpcc: Mpcc, x: Array) -> float:
-    """Largest violation of bounds and of rows that are no equations, at x (n,)."""
-    worst = float(np.max(np.maximum(mpcc.lower - x, x - mpcc.upper), initial=0.0))
-    for block in mpcc.constraints:
-        unequal = block.lower < block.upper
-        if np.any(unequal):
-            out = evaluate(block, mpcc, x)
-            over = np.maximum(block.lower - out, out - block.upper)[unequal]
-            worst = max(worst, float(np.max(over, initial=0.0)))
-    return worst
 
 
 def _cost(transcribed: Transcribed, plan: Plan) -> float:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 from scipy.integrate import solve_ivp
-from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from benchbench.conformance.checks.require import require
+from benchbench.conformance.checks.rows import Equations, Limits
 from benchbench.conformance.checks.states import at_rest
 from benchbench.ground.arrays import Array, Flags, Index
 from benchbench.mpcc.problem import Mpcc
-from benchbench.nlp.program import assemble
 from benchbench.ocp.handover import Handover
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import Motion
@@ -77,8 +77,17 @@ class Transcribed:
 
     def encode(self, plan: Plan) -> Array:
         """Stacked unknowns (n,), guessed from a plan; what `encode` does not give keeps its guess."""
-        values = self.mpcc.split(self.mpcc.guess) | self.trajectory.encode(plan)
+        values = self._guessed | self.trajectory.encode(plan)
         return np.concatenate([np.ravel(values[v.name]) for v in self.mpcc.variables])
+
+    @cached_property
+    def limits(self) -> Limits:
+        """Bounds, and rows that are no equations."""
+        return Limits(self.mpcc)
+
+    @cached_property
+    def _guessed(self) -> dict[str, Array]:
+        return self.mpcc.split(self.mpcc.guess)
 
 
 def transcribe(dynamics: Dynamics, model: Model, grid: Grid, scenario: Scenario | None = None) -> Transcribed:
@@ -87,24 +96,38 @@ def transcribe(dynamics: Dynamics, model: Model, grid: Grid, scenario: Scenario 
 
 
 def fly(model: Model, plan: Plan) -> Plan:
-    """Replace the states of a plan by those its inputs lead to from its start: DOP853 on the plant, 1e-13."""
-    plant, n, pieces = model.plant(), plan.configuration.shape[1], plan.input_pieces
-    states = [np.concatenate([plan.configuration[0], plan.velocity[0]])]
-    for t0, t1, points in zip(plan.time[:-1], plan.time[1:], pieces, strict=True):
+    """Replace the states of a plan by those its inputs lead to from its start: DOP853 on the plant, 1e-13.
+
+    Several transcriptions are held against one flight: it is made once.
+    """
+    told = (plan.configuration[0], plan.velocity[0], plan.time, plan.input_pieces)
+    key = (id(model), *(part.tobytes() for part in told))
+    if key not in _FLOWN:
+        _FLOWN[key] = model, _flown(model, plan)
+    y, n = _FLOWN[key][1], plan.configuration.shape[1]
+    return replace(plan, configuration=y[:, :n], velocity=y[:, n:])
+
+
+_FLOWN: dict[tuple[int, bytes, bytes, bytes, bytes], tuple[Model, Array]] = {}
+"""Models, which keep their identity so, and states (N + 1, n) at the nodes."""
+
+
+def _flown(model: Model, plan: Plan) -> Array:
+    plant, n = model.plant(), plan.configuration.shape[1]
+    states, last = [np.concatenate([plan.configuration[0], plan.velocity[0]])], np.inf
+    for t0, t1, points in zip(plan.time[:-1], plan.time[1:], plan.input_pieces, strict=True):
 
         def flow(t: float, y: Array, t0: float = t0, t1: float = t1, points: Array = points) -> Array:
             u = points[0] if len(points) == 1 else bezier(points, (t - t0) / (t1 - t0))
             return np.concatenate([plant.kinematics(y[:n], y[n:]), plant.acceleration(y[:n], y[n:], u)])
 
-        whole = {
-            "method": "DOP853",
-            "rtol": 1e-13,
-            "atol": 1e-14,
-            "first_step": t1 - t0,
-        }  # shortened if it is too long
-        states.append(solve_ivp(flow, (t0, t1), states[-1], **whole).y[:, -1])
-    y = np.array(states)
-    return replace(plan, configuration=y[:, :n], velocity=y[:, n:])
+        first = min(t1 - t0, last)  # shortened if it is too long
+        found = solve_ivp(
+            flow, (t0, t1), states[-1], method="DOP853", rtol=1e-13, atol=1e-14, first_step=first
+        )
+        last = float(np.max(np.diff(found.t)))
+        states.append(found.y[:, -1])
+    return np.array(states)
 
 
 def told(transcribed: Transcribed, q0: Array, v0: Array, signal: Signal) -> Plan:
@@ -122,20 +145,17 @@ def integrate(transcribed: Transcribed, order: Plan, guess: Plan | None = None) 
     The inputs are those that `order` becomes when it is encoded; the other unknowns start from `guess`.
     Fails when the equations do not determine the rest, or Newton does not end.
     """
-    mpcc = transcribed.mpcc
-    program = assemble(Mpcc(mpcc.variables, mpcc.constraints), "never")
-    equal = np.flatnonzero(program.lower_g == program.upper_g)
+    equations = Equations(transcribed.mpcc)
     x = transcribed.encode(order)
     free = np.flatnonzero(~_given(transcribed, x))
     x[free] = transcribed.encode(guess or order)[free]
     require(
-        len(free) == len(equal),
-        f"{len(free)} unknowns are left when start, times and inputs are fixed, but there are {len(equal)} equations",
+        len(free) == len(equations),
+        f"{len(free)} unknowns are left when start, times and inputs are fixed, but there are {len(equations)} equations",
     )
     for _ in range(30):
-        g, jacobian = program.jacobian(x, 0.0)
-        residual = np.asarray(g).ravel()[equal] - program.lower_g[equal]
-        step = splu(_sparse(jacobian)[equal, :][:, free].tocsc()).solve(-residual)
+        residual, jacobian = equations.at(x)
+        step = splu(jacobian[:, free].tocsc()).solve(-residual)
         x[free] += step
         if np.max(np.abs(step)) < 1e-12 * (1 + np.max(np.abs(x))):
             return transcribed.decode(x)
@@ -174,9 +194,3 @@ def _columns(mpcc: Mpcc) -> Iterator[Index]:
     for variable in mpcc.variables:
         places = np.arange(variable.size) + mpcc.offsets[variable.name]
         yield from places.reshape(variable.guess.shape).T
-
-
-def _sparse(matrix: ca.DM) -> csc_array:
-    return csc_array(
-        (np.array(matrix.nonzeros()), matrix.row(), matrix.sparsity().colind()), shape=matrix.shape
-    )
