@@ -22,7 +22,7 @@ SMALL = {"coarsest": 8, "finest": 16, "finer": 2, "starts": 2}
 def case() -> Case:
     """A target at rest on a coarse grid, from the plain guess."""
     return config.compose(
-        "+scenario=static", "solver=ipopt", "guess=line", "scenario.intervals=12", "dynamics=midpoint", "compile=never",
+        "+scenario=static", "solver=ipopt", "guess=line", "scenario.intervals=20", "compile=never",
         "iteration_limit=500", "time_limit=600",
     )  # fmt: skip
 
