@@ -36,7 +36,7 @@ def test_combination(dynamics: str, relaxation: str, solver: str) -> None:
     case = composing.case_of(
         "+scenario=static", f"dynamics={dynamics}", f"relaxation={relaxation}", f"solver={solver}",
         "strategy=relax", "strategy.margin=0", "guess=line", "scenario.intervals=8",
-        f"iteration_limit={8 if few else 60}", "time_limit=10",
+        f"iteration_limit={4 if few else 60}", "time_limit=10",
     )  # fmt: skip
     done = pipeline.run(case)
     record = done.record
