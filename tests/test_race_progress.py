@@ -102,7 +102,7 @@ RELAXATIONS = [name for name in config.choices("relaxation") if name != "none"]
 
 @pytest.mark.parametrize("relaxation", RELAXATIONS)
 def test_every_relaxation_takes_the_gates_and_keeps_a_warm_start(relaxation: str) -> None:
-    one = ("scenario.gates=1", "scenario.nodes_per_gate=20")
+    one = ("scenario.gates=1", "scenario.nodes_per_gate=15")
     done = run(*one, "strategy=warm", f"relaxation={relaxation}")
     assert done.certificate.certified, done.certificate.reasons
     assert done.record["relaxation"] == relaxation
