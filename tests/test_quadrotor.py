@@ -73,9 +73,8 @@ def test_a_free_spin_keeps_angular_momentum_and_energy() -> None:
 
 
 def race(*overrides: str) -> Case:
-    return composing.case_of(
-        "+scenario=race", "strategy=phases", "scenario.gates=2", "scenario.nodes_per_gate=16", *overrides
-    )
+    settings = ("scenario.gates=2", "scenario.nodes_per_gate=16", "strategy.margin=0")
+    return composing.case_of("+scenario=race", "strategy=phases", *settings, *overrides)
 
 
 @pytest.mark.parametrize(
@@ -125,6 +124,7 @@ class Unnormalised(ExplicitModel, ManifoldModel, OutputModel, RacingModel, RampM
 COURSE = (
     "+scenario=race",
     "strategy=phases",
+    "strategy.margin=0",
     "scenario.gates=5",
     "scenario.end_velocity=rest",
     "vehicle.body_rate=[15,15,2.99]",
