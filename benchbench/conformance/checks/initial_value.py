@@ -101,14 +101,14 @@ def fly(model: Model, plan: Plan) -> Plan:
     Several transcriptions are held against one flight: it is made once.
     """
     told = (plan.configuration[0], plan.velocity[0], plan.time, plan.input_pieces)
-    key = (id(model), *(part.tobytes() for part in told))
+    key = id(model), tuple(part.tobytes() for part in told)
     if key not in _FLOWN:
         _FLOWN[key] = model, _flown(model, plan)
     y, n = _FLOWN[key][1], plan.configuration.shape[1]
     return replace(plan, configuration=y[:, :n], velocity=y[:, n:])
 
 
-_FLOWN: dict[tuple[int, bytes, bytes, bytes, bytes], tuple[Model, Array]] = {}
+_FLOWN: dict[tuple[int, tuple[bytes, ...]], tuple[Model, Array]] = {}
 """Models, which keep their identity so, and states (N + 1, n) at the nodes."""
 
 

@@ -35,7 +35,7 @@ class Equations:
         residual, rows, columns, values, count = [np.zeros(0)], [], [], [], 0
         for part in self._parts:
             missed, slopes = part.at(x)
-            row, read = np.nonzero(part.equal)[0], np.count_nonzero(part.equal)
+            row, read = np.nonzero(part.equal)[0], int(np.sum(part.equal))
             residual.append(missed)
             rows.append(np.repeat(np.arange(count, count + read), slopes.shape[1]))
             columns.append(part.index[row].ravel())
