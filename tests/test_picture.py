@@ -333,7 +333,7 @@ def test_runaway_replay_does_not_hide_the_plan() -> None:
 
 def test_real_flight_goes_through_the_same_picture(tmp_path: Path) -> None:
     model = vehicle()
-    plan = curved_plan(model, n=8)
+    plan = curved_plan(model, n=20)
     picture.draw(
         tmp_path / "p.png",
         plan,
