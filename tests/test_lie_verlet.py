@@ -261,7 +261,7 @@ def test_wrong_reaction_to_rotation_is_noticed() -> None:
 
 
 def test_a_handover_in_quaternions_takes_as_long_as_in_angles() -> None:
-    told_both = ("+scenario=static", "strategy=phases", "scenario.intervals=60")
+    told_both = ("+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=60")
     found = [
         pipeline.run(composing.case_of(*told_both, f"vehicle={vehicle}", f"dynamics={dynamics}"))
         for vehicle, dynamics in (("table1", "verlet"), ("table1_quaternion", "lie_verlet"))
@@ -274,12 +274,13 @@ def test_a_handover_in_quaternions_takes_as_long_as_in_angles() -> None:
     assert {"planned_output", "replay_angle", "contact_position"} <= limited
 
 
+@pytest.mark.usefixtures("brief_replays")
 def test_a_tilted_plan_in_quaternions_is_refused() -> None:
     """Roll, pitch and Euler rates keep their limits as outputs: the certificate says so by name."""
     from benchbench.certificate.certify import certify
 
     case = composing.case_of(
-        "+scenario=static", "strategy=phases", "scenario.intervals=20",
+        "+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=20",
         "vehicle=table1_quaternion", "dynamics=lie_verlet",
     )  # fmt: skip
     plan = pipeline.run(case).result.plan

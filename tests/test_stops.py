@@ -257,7 +257,7 @@ def compose(*overrides: str) -> Case:
 
 
 def test_a_named_stop_is_the_same_problem_as_a_target() -> None:
-    plain = compose("+scenario=linear", "scenario.intervals=16", "strategy=phases")
+    plain = compose("+scenario=linear", "scenario.intervals=16", "strategy=phases", "strategy.margin=0")
     fields = dict(plain.scenario)
     named = Handover(**(fields | {"target": None, "stops": {"cart": {"target": fields["target"]}}}))
     results = [c.strategy.solve(c, Ledger(60.0)) for c in (plain, replace(plain, scenario=named))]
