@@ -17,7 +17,7 @@ import pytest
 from program import COMMAND, Done, assert_refused, listen, on_terminal, program, records, told
 from sweeps import QUICK
 
-from benchbench.flight.columns import NAMES
+from benchbench.ground.families import FLOWN
 from benchbench.storage.schema import COLUMNS
 from benchbench.storage.table import read
 
@@ -67,7 +67,7 @@ def test_record_has_every_column_with_its_type_and_no_nan(certified: tuple[Path,
         "published_objective",
         "published_source",
     }
-    flights = {"controller_cpu_p50_s", "controller_cpu_p99_s", "real_time_factor", *NAMES}
+    flights = {"controller_cpu_p50_s", "controller_cpu_p99_s", "real_time_factor", *FLOWN}
     flights |= {name for name in record if name.startswith(("flight", "replan"))}
     searches = {"optima", "refinement", "starts", "starts_certified", "starts_high", "starts_low"}
     assert unknown <= {
