@@ -11,7 +11,7 @@ from rich.table import Table
 from benchbench.analysis.suite import Row
 from benchbench.cli.suite_summary import rows_of, why
 from benchbench.run.fitting import fitted
-from benchbench.run.summary import near
+from benchbench.run.summary import above, near
 from benchbench.run.sweep_line import show_line
 from benchbench.sweep.sweep import Swept, shared
 
@@ -61,7 +61,7 @@ def _table(rows: Sequence[Row]) -> Table:
         gaps = [row["gap_percent"] for row in good if row["gap_percent"] is not None]
         table.add_row(
             str(scenario), f"{len(good)} of {len(of)}", _best(good),
-            f"median {median(gaps):+.3f} %" if gaps else "-", f"{max(gaps):+.3f} %" if gaps else "-",
+            f"median {above(median(gaps))}" if gaps else "-", above(max(gaps)) if gaps else "-",
         )  # fmt: skip
     return table
 

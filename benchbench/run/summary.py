@@ -184,7 +184,7 @@ def _known(r: Mapping[str, Any]) -> str:
 
 def _above(r: Mapping[str, Any]) -> str:
     """How far above the best known value."""
-    return "" if r["gap_percent"] is None else f", {r['gap_percent']:+.3f} %"
+    return "" if r["gap_percent"] is None else f", {above(r['gap_percent'])}"
 
 
 def _size(r: Mapping[str, Any]) -> str:
@@ -256,6 +256,11 @@ def _places(paths: Mapping[str, Path]) -> dict[str, str]:
     together = Path(commonpath([path.parent for path in files])) if files else None
     shown = {"files": near(together), "": " ".join(path.name for path in files)} if together else {}
     return shown | ({"table": near(folders[0])} if folders else {})
+
+
+def above(gap: float) -> str:
+    """Return a gap in %, never -0.000."""
+    return f"{round(gap, 3) + 0.0:+.3f} %"
 
 
 def number(value: float | None, form: str, unit: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from benchbench.run.summary import flies, new_best, number
+from benchbench.run.summary import above, flies, new_best, number
 
 
 def show_line(run: int, record: Mapping[str, Any], combination: str, console: Console | None = None) -> None:
@@ -20,7 +20,7 @@ def show_line(run: int, record: Mapping[str, Any], combination: str, console: Co
     timed = flies(record) or record["objective"] is None
     found = number(record["travel_time_s"], ".4f", "s") if timed else f"f = {record['objective']:.6g}"
     line = Text(f"{run:>4}  ") + Text(f"{verdict:<20}", "green" if record["certified"] else "red")
-    gap = "" if record["gap_percent"] is None else f"{record['gap_percent']:+.3f} %"
+    gap = "" if record["gap_percent"] is None else above(record["gap_percent"])
     flown = (
         "" if record["flights"] is None else f"{record['flights_succeeded']}/{record['flights']} flights  "
     )
