@@ -213,6 +213,31 @@ def test_limits_of_the_certificate_are_named_where_they_tell_problems_apart() ->
     assert tasks == ["static / rate_ratio=1", "static / rate_ratio=3", "race"]
 
 
+def test_what_plays_no_part_has_no_name_and_no_options() -> None:
+    """An MPCC that is no flight beside a flight: no vehicle, dynamics or guess; its relaxation met no pairs; its own default of `compile`."""
+    choice = {"solver": "ipopt", "kappa_init": None, "seed": 0}
+    runs = pd.DataFrame([
+        {**choice, "scenario": "zermelo", "relaxation": "", "strategy": "continuation", "intervals": None, "vehicle": None, "dynamics": None, "guess": None},
+        {**choice, "scenario": "static", "relaxation": "", "strategy": "auto", "intervals": 100, "vehicle": "table1", "dynamics": "rk4", "guess": "simple"},
+    ])  # fmt: skip
+    common = {"solver.tol": 1, "relaxation._target_": "a.B"}
+    settings = [
+        {**common, "scenario.intervals": 20, "compile": "never", "relaxation.schedule": [1]},
+        {
+            **common,
+            "scenario.intervals": 100,
+            "compile": "auto",
+            "vehicle.mass": 1,
+            "dynamics._target_": "x",
+            "guess._target_": "y",
+            "flights": 4,
+        },
+    ]
+    named = name_runs(runs, settings)
+    assert named.method.tolist() == ["continuation", "rk4 / auto / simple"]
+    assert named.problem.tolist() == ["zermelo, N=20", "static / table1, N=100"]
+
+
 def test_unknown_choices_and_numbers_have_names() -> None:
     named = name_runs(runs_of({"solver": None, "intervals": None, "kappa_init": None}, {}), [None, None])
     assert named.method.tolist() == ["unknown", "ipopt"]

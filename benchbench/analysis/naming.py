@@ -24,6 +24,8 @@ NEITHER = (
     "time_limit",
     "repeats",
     "picture",
+    "flights",
+    "target_success",
 )
 """Fields of the configuration that are no part of a name: those that decide nothing (`run/settings.py`, above this room), and two more."""
 
@@ -35,7 +37,8 @@ def name_runs(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> pd.Dat
     choice differ. settings: the configuration of each run, None where it is not known.
     """
     choices = {family: _with_options(runs, settings, family) for family in (*METHOD, *PROBLEM)}
-    general = options(settings, range(len(runs)), lambda name: "." not in name and name not in NEITHER)
+    kinds = ["flight" if vehicle else "" for vehicle in choices["vehicle"]]  # they have other defaults
+    general = _within(kinds, settings, lambda name: "." not in name and name not in NEITHER)
     judged = _within(choices["scenario"], settings, lambda name: name.startswith("certificate."))
     method = _join([*_varying({f: choices[f] for f in METHOD}, ("relaxation", "solver")), general])
     task = _join([*_varying({f: choices[f] for f in PROBLEM}, ("scenario",)), judged])
@@ -49,10 +52,17 @@ def name_runs(runs: pd.DataFrame, settings: Sequence[Settings | None]) -> pd.Dat
 
 
 def _with_options(runs: pd.DataFrame, settings: Sequence[Settings | None], family: str) -> list[str]:
-    """Name of the choice of each run, with the options in which runs of the same choice differ."""
-    names = [str(name) if isinstance(name, str) else "unknown" for name in runs[family]]
+    """Name of the choice of each run, with the options in which runs of the same choice differ; "" for one that played no part."""
+    names = [_name(name, one, family) for name, one in zip(runs[family], settings, strict=True)]
     texts = _within(names, settings, lambda name: _optional(name, family))
-    return [f"{name} ({text})" if text else name for name, text in zip(names, texts, strict=True)]
+    return [f"{name} ({text})" if name and text else name for name, text in zip(names, texts, strict=True)]
+
+
+def _name(name: Any, one: Settings | None, family: str) -> str:
+    """What the table says; a run whose configuration has nothing of a family, as that of an MPCC that is no flight, needs no name."""
+    if isinstance(name, str):
+        return name
+    return "unknown" if one is None or any(key.startswith(f"{family}.") for key in one) else ""
 
 
 def _within(names: Sequence[str], settings: Sequence[Settings | None], wanted: Any) -> list[str]:
