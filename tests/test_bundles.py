@@ -18,6 +18,7 @@ from test_report import RUNS, report_on_a_sweep
 from test_table import row
 
 from benchbench.certificate.limits import Limits
+from benchbench.run import judged
 from benchbench.run.recertify import ours, recertify
 from benchbench.storage.bundle import FORMAT, MANIFEST, opened
 from benchbench.storage.configuration import configuration
@@ -159,6 +160,32 @@ def test_what_cannot_be_judged_is_said_not_raised(shared: Path, tmp_path: Path) 
     (broken / "config.yaml").write_text(text)
     (broken / "plan.mcap").write_bytes(b"none")
     assert "cannot be certified here" in recertify(broken).said
+
+
+def test_what_was_judged_here_before_is_remembered_until_anything_changes(
+    shared: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = next(path.parent for path in (shared / "results" / "sweeps").rglob("plan.mcap"))
+    monkeypatch.setattr(judged, "_place", lambda: tmp_path / "judged.jsonl")
+    first = recertify(folder)
+
+    def fails(*_: object) -> None:
+        raise ValueError("judged again")
+
+    monkeypatch.setattr("benchbench.run.recertify.certify", fails)
+    assert first.certified is not None and recertify(folder) == first
+    judged._kept.cache_clear()  # as another process, from the file
+    with (tmp_path / "judged.jsonl").open("a") as file:
+        file.write('["cut')
+    assert recertify(folder) == first
+    other = Path(shutil.copytree(folder, tmp_path / "run"))
+    config = (other / "config.yaml").read_text()
+    (other / "config.yaml").write_text(config.replace("kappa_init: 1", "kappa_init: 2"))
+    assert config != (other / "config.yaml").read_text() and "judged again" in recertify(other).said
+    (other / "config.yaml").write_text(config)
+    (other / "plan.mcap").write_bytes((folder / "plan.mcap").read_bytes() + b"x")
+    assert recertify(other).certified is None
+    judged._kept.cache_clear()
 
 
 def test_solutions_are_judged_again_and_evaluated(tmp_path: Path) -> None:

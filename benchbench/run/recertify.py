@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ from benchbench.ground.errors import BadInput, BenchBenchError
 from benchbench.mpcc.residuals import residuals
 from benchbench.ocp.reading import plain_yaml
 from benchbench.planning.task_hash import asked_hash
-from benchbench.run import trust
+from benchbench.run import judged, trust
 from benchbench.run.choices import choices
 from benchbench.run.config import folder as conf
 from benchbench.run.failure import reason
@@ -65,7 +66,7 @@ def recertify(folder: Path | None, refused: bool = False) -> Anew:
             return Anew(None, "its configuration is missing, so nobody knows what was asked")
         if refused:
             return Anew(False, REFUSED, asked=_asked(tree))
-        return _flown(folder, tree) if (folder / PLAN).is_file() else _solved(folder, tree)
+        return _judged(folder, tree)
     except (BenchBenchError, OSError, ValueError) as error:
         return Anew(None, f"it cannot be certified here: {reason(error)}")
     except Exception as error:  # noqa: BLE001  # of another version, or of somebody who means ill
@@ -96,28 +97,46 @@ def _differing(one: Mapping[str, Any], other: Mapping[str, Any]) -> tuple[str, .
     return tuple(sorted(key for key in {*one, *other} - {*NO_PART} if one.get(key) != other.get(key)))
 
 
-def _flown(folder: Path, tree: Mapping[str, Any]) -> Anew:
+def _judged(folder: Path, tree: Mapping[str, Any]) -> Anew:
+    """What was found here before of the same plan, task and limits, else what is found now."""
+    file, kind = (PLAN, Limits) if (folder / PLAN).is_file() else (SOLUTION, ProblemLimits)
+    asked, certificate = _asked(tree), tree.get("certificate")
+    name, limits, differing = ours(certificate, kind)
+    told = "\n".join((file, hashlib.sha256((folder / file).read_bytes()).hexdigest(), asked, repr(limits)))
+    key = hashlib.sha256(told.encode()).hexdigest()
+    found = judged.recall(key)
+    if found is None:
+        found = _flown(folder, tree, limits) if isinstance(limits, Limits) else _solved(folder, tree, limits)
+        judged.keep(key, found)
+    instead = f", instead of its own {', '.join(differing)}" if differing else ""
+    said = f"{'certified' if found['certified'] else 'refused'} anew by the limits of '{name}'{instead}"
+    return Anew(
+        found["certified"],
+        said,
+        tuple(found["reasons"]),
+        found.get("travel_time"),
+        asked,
+        found.get("objective"),
+    )
+
+
+def _flown(folder: Path, tree: Mapping[str, Any], limits: Limits) -> dict[str, Any]:
     scenario, model = scene_parts(tree)
-    name, limits, differing = ours(tree.get("certificate"), Limits)
     plan = read_mcap(folder / PLAN).plan
     found = certify(plan, scenario, model, limits)
-    said = _said(found.certified, name, differing)
-    return Anew(found.certified, said, found.reasons, plan.travel_time, _asked(tree))
+    return {
+        "certified": found.certified,
+        "reasons": [*found.reasons],
+        "travel_time": plan.travel_time,
+    }
 
 
-def _solved(folder: Path, tree: Mapping[str, Any]) -> Anew:
+def _solved(folder: Path, tree: Mapping[str, Any], limits: ProblemLimits) -> dict[str, Any]:
     """By the residuals of the problem that its configuration names; what it costs is evaluated here, too."""
-    asked, mpcc = _asked(tree), problem_of(tree).mpcc()
-    name, limits, differing = ours(tree.get("certificate"), ProblemLimits)
+    mpcc = problem_of(tree).mpcc()
     found = residuals(mpcc, mpcc.stacked(read_solution(folder)))
-    judged = certify_problem(found, limits)
-    said = _said(judged.certified, name, differing)
-    return Anew(judged.certified, said, judged.reasons, asked=asked, objective=found.cost)
-
-
-def _said(certified: bool, name: str, differing: tuple[str, ...]) -> str:
-    instead = f", instead of its own {', '.join(differing)}" if differing else ""
-    return f"{'certified' if certified else 'refused'} anew by the limits of '{name}'{instead}"
+    verdict = certify_problem(found, limits)
+    return {"certified": verdict.certified, "reasons": [*verdict.reasons], "objective": found.cost}
 
 
 def _asked(tree: Mapping[str, Any]) -> str:

@@ -24,7 +24,7 @@ def show_line(run: int, record: Mapping[str, Any], combination: str, console: Co
     flown = (
         "" if record["flights"] is None else f"{record['flights_succeeded']}/{record['flights']} flights  "
     )
-    line += Text(f"  {found:>9}  {gap:>10}  ", "bold green" if new_best(record) else "")
+    line += Text(f"  {found:>{9 if timed else 16}}  {gap:>10}  ", "bold green" if new_best(record) else "")
     line += Text(flown)
     if console.is_terminal:
         if line.cell_len + len(combination) > console.width:
