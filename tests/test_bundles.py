@@ -180,7 +180,7 @@ def test_what_was_judged_here_before_is_remembered_until_anything_changes(
     assert recertify(folder) == first
     other = Path(shutil.copytree(folder, tmp_path / "run"))
     config = (other / "config.yaml").read_text()
-    (other / "config.yaml").write_text(config.replace("kappa_init: 1", "kappa_init: 2"))
+    (other / "config.yaml").write_text(config.replace("- 0.4\n", "- 0.41\n"))
     assert config != (other / "config.yaml").read_text() and "judged again" in recertify(other).said
     (other / "config.yaml").write_text(config)
     (other / "plan.mcap").write_bytes((folder / "plan.mcap").read_bytes() + b"x")
