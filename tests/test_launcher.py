@@ -94,8 +94,8 @@ def test_same_sweep_again_runs_only_what_is_missing(tmp_path: Path) -> None:
 
 
 def test_repeats_are_timed_and_asked_for_again(tmp_path: Path) -> None:
-    small = ("guess=line", "scenario.intervals=12", "picture=false", "workers=1")
-    sweep = ("-m", "+scenario=static", "relaxation=scholtes,none", *small)
+    once = ("strategy=relax", "strategy.margin=0", "dynamics=midpoint", "guess=line", "scenario.intervals=12")
+    sweep = ("-m", "+scenario=static", "relaxation=scholtes,none", *once, "picture=false", "workers=1")
     assert told(tmp_path, *sweep).returncode == 2
     assert told(tmp_path, *sweep, "repeats=3").returncode == 2
     again = told(tmp_path, *sweep, "repeats=2")
