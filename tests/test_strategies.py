@@ -52,7 +52,7 @@ def scan() -> dict[int, Result]:
 
 
 @pytest.mark.usefixtures("brief_replays")
-@pytest.mark.parametrize("exhaustive", [True, False])
+@pytest.mark.parametrize("exhaustive", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_enumeration_finds_the_best_of_all_windows(scan: dict[int, Result], exhaustive: bool) -> None:
     best = min(result.objective for result in scan.values())
     found = solve(case_of("strategy=enumeration", "strategy.margin=0", f"strategy.exhaustive={exhaustive}",
@@ -166,7 +166,11 @@ def test_relaxations_refuse_a_contact_that_lasts_for_seconds() -> None:
 
 
 @pytest.mark.parametrize(
-    ("strategy", "intervals"), [("relax", 50), ("enumeration strategy.levels=1 dynamics=trapezoidal", 60)]
+    ("strategy", "intervals"),
+    [
+        ("relax", 50),
+        pytest.param("enumeration strategy.levels=1 dynamics=trapezoidal", 60, marks=pytest.mark.slow),
+    ],
 )
 def test_where_the_certificate_refuses_a_strategy_goes_on_in_its_own_form(
     strategy: str, intervals: int
@@ -203,6 +207,7 @@ def test_phases_finds_the_best_known_plan_from_a_disturbed_start(seed: int) -> N
     assert record["gap_percent"] <= 0.5
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("brief_replays")
 def test_polish_moves_an_early_contact_to_the_best_window() -> None:
     early = ("guess=line", "scenario.contact_guess=0.2", "scenario.intervals=20")
