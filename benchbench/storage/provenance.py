@@ -79,11 +79,11 @@ def git_state(folder: Path) -> tuple[str | None, bool | None]:
     Both are None if `folder` is not the root of a repository (an installed package may lie inside some
     other project's repository), if there is no commit yet, or git is missing, refuses or takes too long.
     """
-    root = _git(folder, "rev-parse", "--show-toplevel")
-    if root is None or Path(root).resolve() != folder.resolve():
+    root, _, commit = (_git(folder, "rev-parse", "--show-toplevel", "HEAD") or "").rpartition("\n")
+    if not root or Path(root).resolve() != folder.resolve():
         return None, None
-    commit, changes = _git(folder, "rev-parse", "HEAD"), _git(folder, "status", "--porcelain")
-    return commit, None if commit is None or changes is None else bool(changes)
+    changes = _git(folder, "status", "--porcelain")
+    return commit, None if changes is None else bool(changes)
 
 
 def _git(folder: Path, *arguments: str) -> str | None:

@@ -7,6 +7,7 @@ roll, pitch and Euler rates are then outputs, with the same limits. u = [f_1 .. 
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Any, Literal, final
 
 import casadi as ca
@@ -214,6 +215,11 @@ class AerialManipulator(LagrangianModel, ManifoldModel, OutputModel, RacingModel
 
     def plant(self) -> Plant:
         """Independent Newton-Euler equations."""
+        return self._plant
+
+    @cached_property
+    def _plant(self) -> Plant:
+        """The one plant: it changes nothing in itself, and its tables take a while to make."""
         return AerialManipulatorPlant(self.parameters, self._attitude.plant())
 
     def _along_arm(self, q: ca.SX, s: float) -> ca.SX:
