@@ -44,9 +44,8 @@ class Bonmin(Solver):
                 "pass_nonlinear_constraints": False,
             },
         )
-        return casadi_nlp.prepare_with_derivatives(
-            backend, mpcc, setup, {"bonmin": self.native_options(setup)}
-        )
+        native = {"bonmin": self.native_options(setup)}
+        return casadi_nlp.prepare_with_derivatives(backend, mpcc, setup, lambda _: native)
 
     def native_options(self, setup: Setup) -> dict[str, Any]:
         """IPOPT's tol and max_iter in each node, time_limit over all nodes."""

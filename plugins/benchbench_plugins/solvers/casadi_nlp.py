@@ -77,21 +77,23 @@ def prepare(backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, An
         return finish(backend, program, problem, setup, {**options, **(backend.fixed or {})})
 
 
-def prepare_with_derivatives(
-    backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, Any]
-) -> Prepared:
+Choice = Callable[[Program], Mapping[str, Any]]
+"""CasADi's options for a program."""
+
+
+def prepare_with_derivatives(backend: Backend, mpcc: Mpcc, setup: Setup, options: Choice) -> Prepared:
     """Build a solver that takes derivative functions as options (IPOPT, BONMIN): nothing more to compile."""
     program = backend.change(assemble(mpcc, setup.compile, seconds=setup.seconds))
-    given = {**_derivatives(program), **options, **(backend.fixed or {})}
+    given = {**_derivatives(program), **options(program), **(backend.fixed or {})}
     return finish(backend, program, _problem(program), setup, given)
 
 
 def prepare_parametric(
-    backend: Backend, mpcc: Mpcc, setup: Setup, options: Mapping[str, Any], adjustable: Collection[str]
+    backend: Backend, mpcc: Mpcc, setup: Setup, options: Choice, adjustable: Collection[str]
 ) -> Parametric:
     """Build one solver for all problems that differ in numbers only (see `Solver.prepare_parametric`)."""
     program = assemble(mpcc, setup.compile, adjustable, max(setup.seconds, PATIENCE))
-    run = _runner(backend, program, _problem(program), setup, {**_derivatives(program), **options})
+    run = _runner(backend, program, _problem(program), setup, {**_derivatives(program), **options(program)})
     return lambda moved, start: run(program.moved(moved), program.numbers(moved, 0.0), start)
 
 

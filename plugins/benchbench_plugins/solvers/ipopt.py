@@ -6,9 +6,11 @@ from collections.abc import Collection
 from dataclasses import field, replace
 from typing import Any, final
 
+import casadi as ca
 from pydantic.dataclasses import dataclass
 
 from benchbench.mpcc.problem import Mpcc
+from benchbench.nlp.program import Program
 from benchbench.nlp.solver import TOLERANCE, Claim, Parametric, Prepared, Setup, Solver, Warmth
 from benchbench_plugins.solvers import casadi_nlp
 from benchbench_plugins.solvers.casadi_nlp import Backend
@@ -39,12 +41,19 @@ took 46. Of another grid: four handovers took 94, 69, 44, 53 iterations at N = 1
 1e-6; monotone from 1e-3 never ended on one of them.
 """
 
-LIGHT = {"mumps_pivot_order": 0, "mumps_permuting_scaling": 0, "mumps_scaling": 0}
-"""How MUMPS orders and scales where a solve takes few iterations, each call ordering anew: approximate minimum degree, which takes a
-quarter of METIS' time, no matching by size and no scaling. Replans at N = 25, 50, 100 took 0.76, 0.67, 0.63 of the time, in the same
-iterations; after jumps of the target by 0.1 m 0.77 (20 iterations).
+PLAIN = {"mumps_permuting_scaling": 0, "mumps_scaling": 0}
+"""MUMPS neither matches rows and columns by size nor scales: IPOPT scales the problem, and what MUMPS did on top cost time and made
+solves on fine grids creep. `static`, N = 800 from N = 400: 10 iterations and 1.2 s in place of 52 and 8.0 s; 16 of 17 other tasks, every
+kind of dynamics among them, took as many iterations or up to half as many for the same plans.
 """
-NEARBY = LIGHT | {
+FILL = 3.0
+"""Entries of the factor by minimum degree, over those of the matrix, up to which that is the order in which MUMPS eliminates: it takes a
+quarter of the time of METIS, and as long to factorise or less. Verlet has 0.7, rk4 and hermite_simpson 1.6, all at N = 100; collocation
+has 7.7, and took ten times longer so than with METIS.
+"""
+DEGREE, METIS = 0, 5
+"""Numbers of these orders in MUMPS."""
+NEARBY = {
     **{f"warm_start_{what}": 1e-3 for what in ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac")},
     "warm_start_mult_bound_push": 1e-6, "alpha_for_y": "bound-mult",
 }  # fmt: skip
@@ -70,12 +79,19 @@ class Ipopt(Solver):
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
         """Assemble once, build one CasADi solver with sigma as its parameter."""
         native = self._checked(self.native_options(setup))
-        return casadi_nlp.prepare_with_derivatives(BACKEND, mpcc, setup, {"ipopt": native})
+        return casadi_nlp.prepare_with_derivatives(BACKEND, mpcc, setup, lambda p: self._ordered(native, p))
 
     def prepare_parametric(self, mpcc: Mpcc, setup: Setup, adjustable: Collection[str]) -> Parametric:
         """One CasADi solver whose parameters are those of the adjustable blocks, started warm."""
         native = self._checked(self.native_options(replace(setup, warm="near")) | NEARBY | self.options)
-        return casadi_nlp.prepare_parametric(BACKEND, mpcc, setup, {"ipopt": native}, adjustable)
+        return casadi_nlp.prepare_parametric(
+            BACKEND, mpcc, setup, lambda p: self._ordered(native, p), adjustable
+        )
+
+    def _ordered(self, native: dict[str, Any], program: Program) -> dict[str, Any]:
+        """CasADi's options, with the order in which MUMPS eliminates the unknowns of this program."""
+        order = {"mumps_pivot_order": DEGREE if _fill(program) <= FILL else METIS}
+        return {"ipopt": native | order | self.options}
 
     def _checked(self, native: dict[str, Any]) -> dict[str, Any]:
         if native["linear_solver"] in LIBRARIES:
@@ -87,7 +103,8 @@ class Ipopt(Solver):
         own = {
             "tol": TOLERANCE[setup.accuracy],
             "linear_solver": self.linear_solver,
-            "mumps_pivot_order": 5,  # METIS; MUMPS' own choice took 20 times longer on collocation
+            "mumps_pivot_order": METIS,  # unless `_ordered` knows better
+            **PLAIN,
             "mu_strategy": "adaptive",
             "bound_relax_factor": 0.0,
             "max_iter": setup.iterations,
@@ -100,6 +117,13 @@ class Ipopt(Solver):
     def version(self) -> str:
         """CasADi's version names the bundled IPOPT."""
         return casadi_nlp.version("ipopt")
+
+
+def _fill(program: Program) -> float:
+    """Entries of the factor of the KKT matrix by approximate minimum degree, over those of the matrix."""
+    upper = program.hessian.sparsity_out(0)
+    matrix = ca.Sparsity.kkt(upper + upper.T, program.jacobian.sparsity_out(1))
+    return float(matrix.ldl()[0].nnz() / matrix.nnz())
 
 
 def _warm(warmth: Warmth) -> dict[str, Any]:
