@@ -223,6 +223,18 @@ def test_rewards_are_taken_off() -> None:
     assert known.compare(record | {"task_hash": "b"}) == {}
 
 
+def test_own_costs_are_added_also_those_of_a_table() -> None:
+    """Numbers by name are pairs in a row of a table, None where one is not known."""
+    for costs in ({"height": 0.25, "effort": None}, [("height", 0.25), ("effort", None)]):
+        assert net_time({"travel_time_s": 3.0, "reward_s": None, "costs": costs}) == 3.25
+
+
+def test_runs_with_own_costs_are_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    row(tmp_path / "runs" / "a", 3.0, costs={"height": 0.25})
+    assert list(merged(tmp_path / "f.yaml", tmp_path / "runs").values()) == [3.25]
+    assert "3.250000 s, the first" in capsys.readouterr().out
+
+
 def test_the_better_of_two_files_counts(tmp_path: Path) -> None:
     ours, theirs = tmp_path / "ours.yaml", tmp_path / "theirs.yaml"
     for file, times in ((ours, {"a": 2.0, "b": 3.0}), (theirs, {"a": 2.5, "b": 2.9, "c": 1.0})):

@@ -88,7 +88,7 @@ def known(*files: Path) -> BestKnown:
 
 def net_time(record: Mapping[str, Any]) -> float | None:
     """Travel time in s of a record, rewards of optional stops taken off and own cost terms of the scenario added."""
-    time, costs = record["travel_time_s"], record.get("costs") or {}
+    time, costs = record["travel_time_s"], dict(record.get("costs") or {})  # of a table they are pairs
     return (
         None
         if time is None

@@ -71,7 +71,11 @@ def _runs(folders: Sequence[Path]) -> Iterator[tuple[Record, Path]]:
     found = collect(folders)
     for path, problem in found.problems.items():
         complain("left out", f"{path}: {problem}")
-    runs = [(r, f) for r, f in zip(found.rows.to_pylist(), found.folders, strict=True) if f is not None]
+    runs = [
+        (r, f)
+        for r, f in zip(found.rows.to_pylist(maps_as_pydicts="strict"), found.folders, strict=True)
+        if f is not None
+    ]
     for folder in folders:
         if not any(place.resolve().is_relative_to(folder.resolve()) for _, place in runs):
             raise BadInput(str(folder), "has no record of a run", "a run's folder, or folders with some")
