@@ -47,8 +47,16 @@ LONGEST = (
 """Files that begin first, so that no core is left waiting for one of their tests in the end."""
 
 
+SPINNING = "::test_solves_without_structure[sleqp-"
+"""Programs so small that this library's timers take seconds of some solves: docs/solvers.md."""
+
+
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Begin with what takes longest."""
+    for item in items:
+        if SPINNING in item.nodeid:
+            item.add_marker(pytest.mark.slow)
     order = {name: place for place, name in enumerate(LONGEST)}
     items.sort(key=lambda item: order.get(item.path.stem, len(order)))
 
