@@ -11,7 +11,8 @@ from pathlib import Path
 from benchbench import __version__
 from benchbench.cli import commands
 from benchbench.ground.errors import BadInput, BenchBenchError, unknown_choice
-from benchbench.run.choices import FAMILIES, FLYING, choices
+from benchbench.run import numbers
+from benchbench.run.choices import FAMILIES, FLYING, choices, folder
 from benchbench.run.telling import complain, usage
 
 DONE, BAD_INPUT = 0, 2
@@ -89,13 +90,14 @@ def _no_command(word: str) -> BadInput:
 
 
 def _check(arguments: Sequence[str], own: Sequence[Path]) -> None:
-    """Raise BadInput for a choice that is not there, where it is plain what there is."""
+    """Raise BadInput for a choice that is not there, or a number out of range, where that is plain."""
     if any(a.partition("=")[0] in ELSEWHERE or "hydra." in a for a in arguments):
         return
     for found in filter(None, map(CHOICE.fullmatch, arguments)):
         family, name = found[1].lstrip("+"), found[2]
         if name not in (there := choices(family, *own)) and name != "null":
             raise unknown_choice(family, name, there)
+    numbers.check_at_once(arguments, Path(folder()) / "scenario")
 
 
 def _own(arguments: Sequence[str]) -> list[Path]:

@@ -30,6 +30,7 @@ from benchbench.run.choices import PARTS
 from benchbench.run.choices import folder as place
 from benchbench.run.hydra_errors import EXPECTED, explained
 from benchbench.run.making import made
+from benchbench.run.numbers import NUMBERS, WORDS, check
 from benchbench.run.overrides import implied, implying
 from benchbench.run.plugin_choices import SearchPath
 from benchbench.run.random_task import drawn
@@ -42,9 +43,6 @@ KINDS: dict[str, type | tuple[type, ...]] = {
 FAMILIES = tuple(family for family in KINDS if family != "scenario")
 FLIGHT = ("vehicle", "dynamics", "guess")
 """Families that play no part in a scenario that comes ready-made as an MPCC."""
-NUMBERS = {"seed": (int, 0, 2**63 - 1), "time_limit": (float, 1e-3, 1e7), "iteration_limit": (int, 1, 10**9)}
-"""Numbers of a run with their type, smallest and largest value."""
-WORDS = {"accuracy": ("low", "medium", "high"), "compile": ("auto", "never")}
 FIELDS = (*KINDS, "peer", *flying.FIELDS, *NUMBERS, *WORDS, *settings.NOT_DECISIVE)
 
 
@@ -196,15 +194,7 @@ def _check_run(cfg: DictConfig, chosen: Mapping[str, Any]) -> None:
     for key in cfg:
         if key not in FIELDS:
             raise unknown_field(str(key), FIELDS)
-    for key, (kind, low, high) in NUMBERS.items():
-        value = cfg.get(key)
-        fits = isinstance(value, (int, kind)) and not isinstance(value, bool)
-        if not fits or not low <= value <= high:  # NaN is nowhere between
-            what = "whole number" if kind is int else "number of seconds"
-            raise BadInput(key, f"{value!r} was given", f"a {what} of at least {low:g}, at most {high:g}")
-    for key, allowed_words in WORDS.items():
-        if cfg.get(key) not in allowed_words:
-            raise BadInput(key, f"{cfg.get(key)!r} was given", ", ".join(allowed_words))
+    check({key: cfg.get(key) for key in (*NUMBERS, *WORDS)})
     if not isinstance(cfg.get("output"), str | int) or cfg.get("output") == "":
         raise BadInput("output", f"{cfg.get('output')!r} was given", "the path of a folder")
     if chosen.get("peer") and chosen.get("strategy") != "peer":
