@@ -14,12 +14,13 @@ from test_table import row
 
 from benchbench.cli import drawn_table, interrupt
 from benchbench.cli.application import start
-from benchbench.cli.commands import plugins, runs
+from benchbench.cli.commands import plugins, regress, runs
 from benchbench.run.fitting import fitted
 from benchbench.run.sweep_line import show_line
 from benchbench.run.telling import complain
 from benchbench.storage.files import write_record
 from benchbench.storage.table import table_of
+from benchbench.sweep.regression.compare import Change
 
 Look = Callable[[int], None]
 
@@ -120,3 +121,20 @@ def test_an_error_after_ctrl_c_is_told_as_that(monkeypatch: pytest.MonkeyPatch) 
     assert interrupt.heard()
     with pytest.raises(KeyboardInterrupt):
         start(["+scenario=static", "scenario.nosuch=1"])
+
+
+def test_what_regress_measured_stands_in_lines_below_its_case(
+    look: Look, capsys: pytest.CaptureFixture[str]
+) -> None:
+    changes = [
+        Change(
+            "race warm scholtes", "travel_time_s", "1.24549", "1.24549", 0.0, "same", "at most +0.5% allowed"
+        ),
+        Change("race warm scholtes", "iterations", "63", "99", 0.571, "WORSE", "at most +30.0% allowed"),
+    ]
+    look(80)
+    regress._list(changes, "title", Console(width=80, color_system=None))
+    assert capsys.readouterr().out.splitlines() == [
+        "title", "race warm scholtes", "  travel_time_s  1.24549  1.24549     +0.0%  same",
+        "  iterations     63       99         +57.1%  WORSE", "    at most +30.0% allowed",
+    ]  # fmt: skip

@@ -11,6 +11,7 @@ from datetime import datetime
 from typing import Any
 
 from benchbench.analysis.suite import CPU, Outcome, Row, above_bound, cpu, outcome
+from benchbench.run.fitting import fitted
 from benchbench.run.overrides import keys
 from benchbench.run.settings import NOT_DECISIVE
 from benchbench.run.suites import Suite
@@ -37,9 +38,10 @@ def conclude(name: str, suite: Suite, quick: bool, swept: Sequence[Swept]) -> No
         methods.setdefault(_method(one), []).append((one, row))
     told = {how: outcome([row for _, row in tasks]) for how, tasks in methods.items()}
     title = f"suite {name}, version {suite.version}{', a tenth of it' if quick else ''}: {suite.title}"
-    print(title)
+    print(fitted(title, 2))
     for how, tasks in methods.items():
-        print("\n".join(_text(how, told[how], tasks)))
+        for line in _text(how, told[how], tasks):
+            print(fitted(line, 15) if "# " not in line else line)
     root = next((one.place.root for one in swept if one.place), None)
     if root is None:
         return

@@ -127,8 +127,10 @@ class RunView:
         return folder
 
     def __repr__(self) -> str:
-        """One line: what, verdict, travel time."""
-        time = "" if self.travel_time is None else f", {self.travel_time:.4f} s"
+        """One line: what, verdict, travel time or objective."""
+        objective = self.record["objective"] if self.record["intervals"] is None else None
+        found = "" if objective is None else f", objective {objective:.6g}"
+        time = found if self.travel_time is None else f", {self.travel_time:.4f} s"
         return f"<{self.record['scenario']}: {'certified' if self.certified else 'NOT certified'}{time}>"
 
     def _repr_html_(self) -> str:

@@ -11,8 +11,12 @@ from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
 from benchbench.ground.errors import BadInput, Unavailable
+from benchbench.run.fitting import fitted
 
 if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
     from benchbench.sweep.regression.compare import Change
     from benchbench.sweep.regression.matrix import Matrix
     from benchbench.sweep.regression.measure import Measured
@@ -24,6 +28,8 @@ EXAMPLES = """examples
   benchbench regress --baseline DIR     your own: DIR holds a matrix.yaml like that of references/baseline
 """
 
+WIDE = 110
+"""Columns that the table of changes needs."""
 STYLE = {"same": "", "better": "green", "WORSE": "bold red"}
 
 
@@ -99,20 +105,45 @@ def _measure_all(matrix: Matrix, overrides: Sequence[str]) -> tuple[dict[str, Me
     return entries, missing
 
 
-def _report(changes: Sequence[Change], title: str) -> int:
-    from rich.console import Console
+def _table(changes: Sequence[Change], title: str) -> Table:
     from rich.table import Table
 
-    worse = [c for c in changes if c.verdict == "WORSE"]
     told = Table(title=title)
     for heading in ("case", "what", "was", "now", "change", "verdict", "gate"):
         told.add_column(heading, overflow="fold")
     for c in changes:
-        if c.moved or c.what == "solve / reference":
-            change = "" if c.change is None else f"{c.change:+.1%}"
-            told.add_row(c.case, c.what, c.was, c.now, change, c.verdict, c.note, style=STYLE[c.verdict])
+        told.add_row(c.case, c.what, c.was, c.now, _said(c), c.verdict, c.note, style=STYLE[c.verdict])
+    return told
+
+
+def _list(changes: Sequence[Change], title: str, console: Console) -> None:
+    """The same for a narrow terminal: a line for each number below its case, and the gate of what is not the same."""
+    print(title)
+    widths = [max((len(getattr(c, name)) for c in changes), default=0) for name in ("what", "was", "now")]
+    for case in dict.fromkeys(c.case for c in changes):
+        print(case)
+        for c in (c for c in changes if c.case == case):
+            cells = "  ".join(f"{text:<{w}}" for text, w in zip((c.what, c.was, c.now), widths, strict=True))
+            line = f"  {cells}  {_said(c):>8}  {c.verdict}"
+            console.print(line, style=STYLE[c.verdict], highlight=False, markup=False, soft_wrap=True)
+            if c.verdict != "same":
+                print(fitted(f"    {c.note}", 4))
+
+
+def _said(change: Change) -> str:
+    return "" if change.change is None else f"{change.change:+.1%}"
+
+
+def _report(changes: Sequence[Change], title: str) -> int:
+    from rich.console import Console
+
+    worse = [c for c in changes if c.verdict == "WORSE"]
     console = Console(width=None if sys.stdout.isatty() else 140)
-    console.print(told)
+    shown = [c for c in changes if c.moved or c.what == "solve / reference"]
+    if console.width >= WIDE:
+        console.print(_table(shown, title))
+    else:
+        _list(shown, title, console)
     counts = {verdict: sum(c.verdict == verdict for c in changes) for verdict in STYLE}
     within = sum(c.moved for c in changes if c.verdict == "same")
     console.print(
