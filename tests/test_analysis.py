@@ -236,6 +236,10 @@ def test_what_plays_no_part_has_no_name_and_no_options() -> None:
     named = name_runs(runs, settings)
     assert named.method.tolist() == ["continuation", "rk4 / auto / simple"]
     assert named.problem.tolist() == ["zermelo, N=20", "static / table1, N=100"]
+    sizes = pd.array([None, 100], dtype="Int64")
+    assert name_runs(runs.assign(intervals=sizes), settings).problem.tolist() == named.problem.tolist()
+    alone = runs.iloc[1:].assign(intervals=np.array([50], dtype=np.int64)).reset_index(drop=True)
+    assert name_runs(alone, settings[1:]).problem.tolist() == ["static, N=50"]
 
 
 def test_unknown_choices_and_numbers_have_names() -> None:

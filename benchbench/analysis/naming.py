@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from numbers import Real
 from typing import Any
 
 import pandas as pd
@@ -106,7 +107,7 @@ def _varying(names: Mapping[str, list[str]], otherwise: Sequence[str]) -> list[l
 def _size(value: Any, one: Settings | None, column: str) -> Any:
     """A number of the table, or what the scenario says: an MPCC that is no flight has no grid, but may have a size of that name."""
     told = (one or {}).get(f"scenario.{column}") if pd.isna(value) else value
-    return told if isinstance(told, int | float) else None
+    return told if isinstance(told, Real) else None
 
 
 def _number(label: str, value: Any) -> str:
