@@ -24,8 +24,9 @@ from benchbench.planning.disturb import disturbed
 from benchbench.planning.findings import RAISED, Round, Step, next_step
 from benchbench.planning.ladder import climb, coarse, on_grid, rung
 from benchbench.planning.margins import NONE, with_margins
-from benchbench.planning.mesh import exceeded, halved, marked, steady
+from benchbench.planning.mesh import apart, exceeded, halved, marked, steady
 from benchbench.planning.onward import started, without_error
+from benchbench.planning.proximal import PRICE, kept_near
 from benchbench.planning.result import Result
 from benchbench.transcription.correction import correctable
 from benchbench.transcription.grid import Grid, Phase
@@ -181,6 +182,44 @@ def test_margins_are_cheap_by_what_is_measured_beyond_those_by_hand() -> None:
         assert two.margins["rate_margin"] == own["rate_margin"]
     far = next_step(verdict(("contact_position", 0.04, 0.02)), case_of(), Round(own, own))
     assert far is not None and far.finer and far.margins == own
+
+
+def test_a_margin_of_a_rate_is_taken_where_it_costs_nothing() -> None:
+    """An arm 10 % too fast: a margin where its multipliers are nothing, cut intervals where they are not."""
+    case = case_of("strategy.correction=true")
+    found = verdict(("replay_rate", 1.15, 1.05))
+    fast = np.array(case.model.velocity.upper) * 1.15
+    found = replace(found, flight=SimpleNamespace(velocity=np.where(np.isfinite(fast), fast, 0.0)[None]))  # type: ignore[arg-type]
+    names = case.model.velocity.names
+    for price, cut in ((0.0, False), (1e-2, True)):
+        step = next_step(found, case, Round(NONE, correctable=True, prices=dict.fromkeys(names, price)))
+        assert step is not None and step.rates == cut and bool(step.margins["rate_margin"]) != cut
+
+
+def test_what_adds_up_is_not_passed_between_nodes() -> None:
+    """The whole flight is beyond a limit, no interval of it is: nothing is cut for that."""
+    case, found = on_forty()
+    certificate = case.judge(found)
+    alone = apart(found.plan, certificate, case)
+    assert alone.flight is not None and alone.flight.restarts == tuple(range(1, found.plan.intervals))
+    assert np.allclose(alone.flight.velocity[alone.flight.nodes[0]], found.plan.velocity[0])
+    drifted = verdict(("replay_rate", 1.15, 1.05))
+    step = next_step(drifted, case, Round(NONE, correctable=True), verdict())
+    assert step is not None and step.correct and not step.rates
+
+
+def test_a_price_on_leaving_a_plan_is_none_where_it_is_kept() -> None:
+    case, found = on_forty()
+    problem = replace(found.problem, mpcc=found.problem.mpcc.start_from(found.solved.values))
+    near = kept_near(problem, case.model.velocity)
+    (added,) = near.mpcc.costs[len(problem.mpcc.costs) :]
+    assert np.sum(evaluate(added, near.mpcc, near.mpcc.guess)) == pytest.approx(0.0, abs=1e-12)
+    values = near.mpcc.split(near.mpcc.guess)
+    limit = np.array(case.model.velocity.upper)
+    values["v"] = values["v"] + np.where(np.isfinite(limit), limit, 0.0)
+    other = np.concatenate([values[one.name].ravel() for one in near.mpcc.variables])
+    share = PRICE * found.plan.travel_time * np.isfinite(limit).sum()
+    assert np.sum(evaluate(added, near.mpcc, other)) == pytest.approx(share, rel=0.05)
 
 
 def test_cut_are_intervals_in_contact_and_those_that_a_correction_does_not_reach() -> None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.check import Check
 from benchbench.planning.case import Case
@@ -17,6 +19,13 @@ On `circle` 1 % of the arm's rate costs 1 to 2 ms of travel time, 1 % of the dis
 """
 EQUAL = {"rate_margin": 0.07, "contact_margin": 0.5}
 """The same where a finer grid has all intervals halved, which costs several times as much: 3 % of the arm's rate cost 0.19 % of travel time on `circle`."""
+FREE = 1e-4
+"""Share of the cost up to which a margin of a rate is taken, however large it is, up to `LARGEST`.
+
+The arm swings on its way without anybody's asking; `random_hardware` seed 8 gives 9 % of its rate away for less than 1e-5.
+"""
+LARGEST = 0.25
+"""Multipliers tell the price of small margins only."""
 ALONG = 0.01
 """The same of a contact's condition that is kept along the path: 1 % of the speed of approach costs 9 ms there."""
 AHEAD = 0.1
@@ -36,6 +45,7 @@ class Round:
     may_refine  whether there may be a finer grid
     raised      how often margins were raised on this grid
     cheap       share of a limit up to which a margin is taken rather than a finer grid
+    prices      share of the cost that a margin of all of a rate's limit takes, to first order; a rate that is not named has none
     correctable, corrected  whether the error of the transcription may be taken off its equations, and whether it was
     """
 
@@ -47,6 +57,17 @@ class Round:
     correctable: bool = False
     corrected: bool = False
     cheap: Mapping[str, float] = field(default_factory=lambda: CHEAP)
+    prices: Mapping[str, float] = field(default_factory=dict)
+
+    def bearable(self, rates: Mapping[str, float]) -> bool:
+        """Whether these margins of rates cost less than a finer grid, and are no larger than any may be."""
+        own = self.least["rate_margin"]
+        added = {name: share - own.get(name, 0.0) for name, share in rates.items()}
+        return all(
+            share <= min(self.cheap["rate_margin"], self.most)
+            or (share <= min(LARGEST, self.most) and share * self.prices.get(name, np.inf) <= FREE)
+            for name, share in added.items()
+        )
 
 
 @dataclass(frozen=True)
@@ -66,13 +87,16 @@ class Step:
     contacts: bool = False
 
 
-def next_step(found: Certificate, case: Case, now: Round) -> Step | None:
+def next_step(found: Certificate, case: Case, now: Round, apart: Certificate | None = None) -> Step | None:
     """Return what may cure all that the certificate found; None where nothing will.
 
     Margins of up to `CHEAP` are taken where margins alone cure it: the transcription of the planned flight is right, its
     limits are passed between the nodes. For errors of the transcription they are taken off its equations where that can be,
     and intervals are cut only where limits are passed between nodes by more than a cheap margin; else the grid is refined
     where the errors are. Where there may be no finer grid margins of up to `most` are taken.
+
+    apart: the same with the flight of each interval from its planned state, see `mesh.apart`: what is exceeded there is exceeded between
+    nodes, the rest has added up and goes with the errors.
     """
     raised = taken_back(now.margins, found, case)
     by_margins = raised != now.margins and beyond(raised, now.least) <= now.most
@@ -81,6 +105,7 @@ def next_step(found: Certificate, case: Case, now: Round) -> Step | None:
     if curable and (not now.may_refine or (now.raised < RAISED and _cheap(raised, now, along))):
         return Step(raised, correct=now.corrected)
     if now.correctable:
+        raised["rate_margin"] = taken_back(now.margins, apart or found, case)["rate_margin"]
         return _corrected(found, raised, now, along)
     if not now.may_refine:
         return None
@@ -94,7 +119,7 @@ def _corrected(found: Certificate, raised: Margins, now: Round, along: frozenset
     dear = {n for n in along if now.may_refine and contacts.get(n, 0.0) - own.get(n, 0.0) > ALONG}
     contacts |= {name: now.margins["contact_margin"].get(name, 0.0) for name in dear}
     most = {kind: min(share, now.most) if now.may_refine else now.most for kind, share in now.cheap.items()}
-    fast = beyond({"rate_margin": rates}, now.least) > most["rate_margin"]
+    fast = not now.bearable(rates) if now.may_refine else beyond({"rate_margin": rates}, now.least) > now.most
     bearable = most["contact_margin"] if now.corrected else HOPELESS
     near = max((m - own.get(n, 0.0) for n, m in contacts.items()), default=0.0) > bearable
     near |= _bent(found, now)
@@ -133,10 +158,11 @@ def _along(case: Case) -> frozenset[str]:
 
 
 def _cheap(margins: Margins, now: Round, along: frozenset[str]) -> bool:
-    return all(
-        share - now.least[kind].get(name, 0.0) <= (ALONG if name in along and kind == "contact_margin" else now.cheap[kind])
-        for kind, own in margins.items() for name, share in own.items()
-    )  # fmt: skip
+    own = now.least["contact_margin"]
+    return now.bearable(margins["rate_margin"]) and all(
+        share - own.get(name, 0.0) <= (ALONG if name in along else now.cheap["contact_margin"])
+        for name, share in margins["contact_margin"].items()
+    )
 
 
 def _by_margin(check: Check) -> bool:

@@ -7,20 +7,26 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from benchbench.formulation.problem import Problem
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.solver import Accuracy
 from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.planning.onward import started, without_error
+from benchbench.planning.proximal import PRICE, kept_near
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import pose
 from benchbench.transcription.correction import correctable
 
 COARSE = 0.25
 """Share of the intervals that the first grid has."""
-WARM = 150
-"""Iterations that a solve with multipliers may use: a good start needs 10 to 60, and a cold solve is rarely better than a bad one."""
+WARM = 100
+"""Iterations that a solve with multipliers may use: a good start needs 10 to 60, and there are other ways than to wait for a bad one."""
+NEARER = 10.0
+"""Factor of the price on leaving the plan before where the first did not end: it makes a problem convex that has many motions as good as others."""
+APART = 3
+"""Grids that are so many times finer have one between them: coarse plans of long flights, with steps of 0.2 s, are far from the fine ones."""
 FEWEST = 16
 """Intervals that the first grid has at least."""
 ENOUGH: dict[Accuracy, Accuracy] = {"high": "medium"}
@@ -58,20 +64,48 @@ def rung(
     correct: bool = False,
     stage: str = "",
 ) -> Result:
-    """Solve phases from a plan, with the multipliers of a solved grid below; once more without them if that fails.
+    """Solve phases from a plan, with the multipliers of a solved grid below; once more if that fails.
 
-    correct: with the error of the transcription taken off its equations, as it is at the start.
+    correct: with the error of the transcription taken off its equations, as it is at the start, and kept near it; where that fails,
+    kept nearer. What fails otherwise is solved without multipliers.
     """
     with ledger.building():
         problem = posing.phases(case, start)
-        plant = case.model.plant()
-        problem = problem if below is None else started(problem, below, plant)
-        problem = without_error(problem, plant) if correct else problem
     name = stage or f"N = {problem.trajectory.grid.intervals}"
     if below is None:
         return pose(problem, case, ledger, name)
-    found = pose(problem, replace(case, iteration_limit=min(WARM, case.iteration_limit)), ledger, name, below)
-    return found if found.claimed or ledger.over else pose(problem, case, ledger, f"{name}, again")
+    for price in (PRICE, NEARER * PRICE) if correct else (0.0,):
+        found = _warm(problem, case, ledger, below, price, name)
+        if found.claimed or ledger.over:
+            return found
+    return pose(found.problem, case, ledger, f"{name}, again")
+
+
+def _warm(problem: Problem, case: Case, ledger: Ledger, below: Result, price: float, name: str) -> Result:
+    """Solve with the multipliers of a solved grid; at a price of leaving it with the error of the transcription taken off."""
+    plant = case.model.plant()
+    with ledger.building():
+        problem = started(problem, below, plant)
+        if price:
+            problem = kept_near(without_error(problem, plant), case.model.velocity, price)
+    patient = replace(case, iteration_limit=min(WARM, case.iteration_limit))
+    return pose(problem, patient, ledger, name, below)
+
+
+def higher(case: Case, ledger: Ledger, below: Result) -> Result:
+    """Solve from the result of a coarser grid; where that fails by way of a grid in between, else without multipliers."""
+    low, high = below.plan.intervals, case.scenario.grid_intervals
+    if high < APART * low:
+        return rung(case, ledger, below.plan, below)
+    with ledger.building():
+        problem = posing.phases(case, below.plan)
+    found = _warm(problem, case, ledger, below, 0.0, f"N = {high}")
+    if found.claimed or ledger.over:
+        return found
+    middle = rung(on_grid(case, 2 * low), ledger, below.plan, below)
+    if middle.claimed and not ledger.over:
+        return rung(case, ledger, middle.plan, middle)
+    return found if ledger.over else rung(case, ledger, below.plan)
 
 
 def climb(case: Case, ledger: Ledger, start: Plan) -> Result:
@@ -80,7 +114,7 @@ def climb(case: Case, ledger: Ledger, start: Plan) -> Result:
     below = None if first is case else rung(first, ledger, start)
     if below is None or (not below.claimed and not ledger.over):
         return rung(case, ledger, start)
-    return rung(case, ledger, below.plan, below) if below.claimed else below
+    return higher(case, ledger, below) if below.claimed else below
 
 
 def from_phases(case: Case, ledger: Ledger, start: Plan) -> Result:

@@ -11,9 +11,10 @@ from benchbench.nlp.ledger import Ledger
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.planning.findings import CHEAP, EQUAL, Round, Step, next_step
-from benchbench.planning.ladder import climb, coarse, on_grid, rung
+from benchbench.planning.ladder import climb, coarse, higher, on_grid, rung
 from benchbench.planning.margins import Margins, least_margins, of_the_search, with_margins
-from benchbench.planning.mesh import exceeded, halved, marked, steady, touching
+from benchbench.planning.mesh import apart, exceeded, halved, marked, steady, touching
+from benchbench.planning.prices import of_rates
 from benchbench.planning.rescue import rescue
 from benchbench.planning.resting import once_they_rest
 from benchbench.planning.result import Result
@@ -91,10 +92,12 @@ class Loop:
                 break
             able = self.correction and correctable(found.problem.trajectory)
             now = replace(now, may_refine=found.plan.intervals < self.finest, correctable=able)
-            step = next_step(certificate, level, now)
+            now = replace(now, prices=of_rates(found, level.model.velocity))
+            alone = apart(found.plan, certificate, level) if able else certificate
+            step = next_step(certificate, level, now, alone)
             if step is None:
                 break
-            finer = self._finer(level, found, certificate, step, now) if step.finer else level
+            finer = self._finer(level, found, certificate, alone, step, now) if step.finer else level
             raised = now.raised + 1 if finer is level else 0
             now = replace(now, margins=step.margins, raised=raised, corrected=step.correct)
             level = with_margins(finer, step.margins)
@@ -110,7 +113,7 @@ class Loop:
         first = coarse(case)
         if below.claimed or self.ledger.over:
             done = first is case or not below.claimed
-            return case, below if done else rung(case, self.ledger, below.plan, below)
+            return case, below if done else higher(case, self.ledger, below)
         saved = rescue(first, self.ledger, (start, below.plan))
         self.conflict = saved.conflict
         if saved.conflict:
@@ -131,9 +134,11 @@ class Loop:
         self.told.append(f"{at} with contact once its target stands, at any time: {told}")
         return other, waits
 
-    def _finer(self, level: Case, found: Result, certificate: Certificate, step: Step, now: Round) -> Case:
+    def _finer(
+        self, level: Case, found: Result, certificate: Certificate, alone: Certificate, step: Step, now: Round
+    ) -> Case:
         """The case on the next grid; the same one where no interval has to be cut."""
-        chosen = exceeded(found, certificate, level, step, now.corrected) if step.correct else None
+        chosen = exceeded(found, alone, level, step, now.corrected) if step.correct else None
         if chosen is not None and not chosen.any() and (not now.corrected or step.margins != now.margins):
             return level
         if chosen is None or not chosen.any():

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.difference import angle, distance, rate, speed
 from benchbench.certificate.limited import Limited
-from benchbench.certificate.replay import Replay, defects
+from benchbench.certificate.replay import Replay, defects, replay
 from benchbench.ground.arrays import Array, Flags
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
@@ -74,6 +75,17 @@ def _paths(plan: Plan, flight: Replay, case: Case) -> Iterator[Array]:
                 gap = contact.gap(plant, flight.configuration, flight.velocity, place, way)
                 passed = (gap / contact.limit - 1) / ALONG
                 yield np.where(over, 0.0, passed) if contact.kept == "until contact" else passed
+
+
+def apart(plan: Plan, found: Certificate, case: Case) -> Certificate:
+    """Return the certificate with the flight of each interval from its planned state: what is exceeded there is exceeded between nodes.
+
+    The flight of the whole plan adds errors up, which moves rates and places at the nodes, too.
+    """
+    if found.flight is None or found.flight.broken_at is not None:
+        return found
+    nodes = range(1, plan.intervals)
+    return replace(found, flight=replay(plan, case.model.plant(), restart_nodes=nodes))
 
 
 def touching(plan: Plan) -> Flags:

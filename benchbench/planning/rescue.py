@@ -16,6 +16,7 @@ from benchbench.ocp.stop import Stop
 from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.planning.elastic import Eased, ease
+from benchbench.planning.prices import prices
 
 PATIENCE = 250
 """Iterations of a solve with slack: 20 to 160 are usual."""
@@ -56,8 +57,8 @@ def rescue(case: Case, ledger: Ledger, starts: Sequence[Plan]) -> Rescue:
 def told(eased: Eased, case: Case) -> str:
     """Return in words what is missed at least, and the limits of the vehicle and of contacts at which easing would help most."""
     missed = [text for _, text in sorted(_missed(eased, case), reverse=True)[:MOST]]
-    prices = sorted((*_prices(eased, case), *_prices_of_contacts(eased, case)), reverse=True)
-    named = [text for price, text in prices[:MOST] if price >= SHARE * prices[0][0] and price > 0]
+    helps = sorted((*_prices(eased, case), *_prices_of_contacts(eased, case)), reverse=True)
+    named = [text for price, text in helps[:MOST] if price >= SHARE * helps[0][0] and price > 0]
     against = f", against {' and '.join(named)}" if named else ""
     return f"no feasible plan found (no proof); what conflicts most: {' and '.join(missed)}{against}"
 
@@ -96,26 +97,11 @@ def _contact(eased: Eased, case: Case, made: Stop, name: str) -> str:
 
 def _prices(eased: Eased, case: Case) -> Iterator[tuple[float, str]]:
     """Limits of the vehicle: how much slack one per cent of easing each would save, by the multipliers of their bounds."""
-    point, mpcc = eased.result.solved.outcome.point, eased.result.mpcc
-    if point.lam_x is None:
-        return
-    ends = np.cumsum([0, *(v.size for v in mpcc.variables)])
     named = {"q": case.scenario.limits(case.model), "v": case.model.velocity, "u": case.model.inputs}
-    for variable, first in zip(mpcc.variables, ends, strict=False):
-        if variable.name not in named:
-            continue
-        shape = variable.guess.shape
-        price, active = (
-            np.abs(point.lam_x[first : first + variable.size]).reshape(shape),
-            variable.lower < variable.upper,
-        )
-        value = eased.result.solved.values[variable.name].reshape(shape)
-        upper = np.abs(variable.upper - value) <= np.abs(value - variable.lower)
-        bound = np.where(upper, variable.upper, variable.lower)
-        each = np.where(
-            active & np.isfinite(bound), price * np.abs(np.where(np.isfinite(bound), bound, 0.0)), 0.0
-        )
-        yield from _by_name(variable.name, named[variable.name], each.sum(axis=0) / 100)
+    for kind, of in named.items():
+        each = prices(eased.result, kind)
+        if each is not None:
+            yield from _by_name(kind, of, each / 100)
 
 
 def _prices_of_contacts(eased: Eased, case: Case) -> Iterator[tuple[float, str]]:

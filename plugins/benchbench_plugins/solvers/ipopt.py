@@ -40,6 +40,11 @@ have too; monotone from mu_init 1e-3, 1e-4, 1e-6 took 24, 17, 9, and up to 217 a
 took 46. Of another grid: four handovers took 94, 69, 44, 53 iterations at N = 100 and 200 with 1e-3, and 157, 75, 89, 58 with
 1e-6; monotone from 1e-3 never ended on one of them.
 """
+LARGEST = 1e9
+"""Largest shift of the Hessian from multipliers, as IPOPT names its correction of the inertia; those that solve need 1e6 or less.
+
+Beyond it MUMPS takes 0.3 s in place of 15 ms for each iteration of a flight at N = 150, and none ended well.
+"""
 
 PLAIN = {"mumps_permuting_scaling": 0}
 """MUMPS does not match rows and columns by size: that cost time and made solves on fine grids creep. `static`, N = 800 from N = 400: 10
@@ -131,4 +136,5 @@ def _warm(warmth: Warmth) -> dict[str, Any]:
     if warmth == "no":
         return {}
     pushed = ("bound_push", "bound_frac", "slack_bound_push", "slack_bound_frac", "mult_bound_push")
-    return {"warm_start_init_point": "yes"} | {f"warm_start_{what}": PUSH[warmth] for what in pushed}
+    own: dict[str, Any] = {"warm_start_init_point": "yes", "max_hessian_perturbation": LARGEST}
+    return own | {f"warm_start_{what}": PUSH[warmth] for what in pushed}
