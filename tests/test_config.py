@@ -162,6 +162,7 @@ def test_same_case_twice_in_one_process_gives_the_same_plan() -> None:
         ("+scenario=static", "auto"),
         ("+scenario=static relaxation=kadrani", "relax"),
         ("+scenario=static relaxation.schedule=[1e-6]", "relax"),
+        ("+scenario=static relaxation=kadrani strategy.margin=0", "relax"),
         ("+scenario=race relaxation=scholtes", "relax"),
         ("+scenario=two_free strategy=sequences relaxation=kadrani", "sequences"),
         ("+scenario=pympcc scenario.problem=kth1 relaxation=kadrani", "continuation"),

@@ -63,8 +63,8 @@ def quoted(text: str) -> str:
 
 def _relaxing(overrides: Sequence[str]) -> bool:
     """Whether a relaxation is asked for, but no strategy."""
-    asked = {key.partition(".")[0] for key in keys(overrides)}
-    return "relaxation" in asked and "strategy" not in asked
+    asked = keys(overrides)
+    return "strategy" not in asked and any(key.partition(".")[0] == "relaxation" for key in asked)
 
 
 def _by_hand(overrides: Sequence[str]) -> list[str]:
