@@ -164,8 +164,13 @@ def test_what_is_no_plan_is_told(what: str) -> None:
 
 
 def test_a_plan_of_another_vehicle_is_told(stored: Path) -> None:
-    for plan in (run(*RACE).plan, stored):
-        with pytest.raises(bb.BadInput, match="vehicle: 'table1' has x, y, z, roll"):
+    """A stored plan says whose it is; a plan in memory only what its columns are."""
+    told = (
+        "vehicle: 'table1' has x, y, z, roll",
+        "vehicle: 'table1' was asked for, .* is a plan of 'race_quadrotor'",
+    )
+    for plan, said in zip((run(*RACE).plan, stored), told, strict=True):
+        with pytest.raises(bb.BadInput, match=said):
             bb.certify(plan, *HANDOVER)
 
 

@@ -22,6 +22,9 @@ EXAMPLES = """examples
 """
 
 
+GONE = "its folder is gone"
+
+
 def run(arguments: Sequence[str]) -> int:
     """Do what is asked and say what was done; raises BadInput."""
     from benchbench.storage.runs import merge, remove, stored
@@ -49,7 +52,7 @@ def _list(runs: Sequence[StoredRun]) -> None:
         for found in runs:
             print(_line(found))
         return
-    cells = [(found.name, *_told(found)) for found in runs]
+    cells = [(found.name, *_told(found)[:3], str(found.folder or f"{found.name}: {GONE}")) for found in runs]
     widths = [max((len(row[i]) for row in cells), default=0) for i in range(4)]
     longest = sum(widths) + 8 + max((len(row[4]) for row in cells), default=0)
     first = 0 if longest <= width() else 1
@@ -61,7 +64,7 @@ def _list(runs: Sequence[StoredRun]) -> None:
 
 def _line(run: StoredRun) -> str:
     scenario, status, time, place = _told(run)
-    return f"{run.name}  {scenario}  {status}{f'  {time}' if time else ''}  {place}"
+    return f"{run.name}  {scenario}  {status}{f'  {time}' if time else ''}  {place or GONE}"
 
 
 def _told(run: StoredRun) -> tuple[str, str, str, str]:
@@ -72,7 +75,7 @@ def _told(run: StoredRun) -> tuple[str, str, str, str]:
         run.record["scenario"] or "",
         run.record["status"] or "",
         told,
-        str(run.folder or f"{run.name}: its folder is gone"),
+        str(run.folder or ""),
     )
 
 
