@@ -109,30 +109,42 @@ class Loop:
 
         Without such a flight, and with a conflict in its place, what failed. Also the case, which may wait for targets to stand.
         """
-        case, below = self._side(case, start)
+        (case, below), *others = self._sides(case, start)
         first = coarse(case)
         if below.claimed or self.ledger.over:
             done = first is case or not below.claimed
-            return case, below if done else higher(case, self.ledger, below)
+            return (case, below) if done else self._onward(case, below, *others)
         saved = rescue(first, self.ledger, (start, below.plan))
         self.conflict = saved.conflict
         if saved.conflict:
             return case, below
         return case, climb(case, self.ledger, start if saved.plan is None else saved.plan)
 
-    def _side(self, case: Case, start: Plan) -> tuple[Case, Result]:
-        """The better one on the coarse grid: contact at any time, or once the targets stand that come to rest."""
+    def _onward(self, case: Case, below: Result, *others: tuple[Case, Result]) -> tuple[Case, Result]:
+        """The plan on the case's own grid; that of another side, where the coarse grid promised more than came of the better one."""
+        found = higher(case, self.ledger, below)
+        for other, coarser in others:
+            if coarser.claimed and not self.ledger.over and not found.objective <= coarser.objective:
+                again = higher(other, self.ledger, coarser)
+                if again.claimed and not (found.claimed and found.objective <= again.objective):
+                    self.told.append(
+                        f"{_seconds(found)}, with contact on the other side of its target's stop {_seconds(again)}"
+                    )
+                    case, found = other, again
+        return case, found
+
+    def _sides(self, case: Case, start: Plan) -> list[tuple[Case, Result]]:
+        """Results on the coarse grid, the better first: contact at any time, and once the targets stand that come to rest."""
         other = once_they_rest(case)
         if other is None:
-            return case, rung(coarse(case), self.ledger, start)
+            return [(case, rung(coarse(case), self.ledger, start))]
         waits = rung(coarse(other), self.ledger, start)
         now = rung(coarse(case), self.ledger, start)
         if not waits.claimed or now.objective < waits.objective:
-            return case, now
+            return [(case, now), (other, waits)]
         told = f"{now.plan.travel_time:.4f} s" if now.claimed else str(now.solved.outcome.claim)
-        at = f"N = {waits.plan.intervals}: {waits.plan.travel_time:.4f} s"
-        self.told.append(f"{at} with contact once its target stands, at any time: {told}")
-        return other, waits
+        self.told.append(f"{_seconds(waits)} with contact once its target stands, at any time: {told}")
+        return [(other, waits), (case, now)]
 
     def _finer(
         self, level: Case, found: Result, certificate: Certificate, alone: Certificate, step: Step, now: Round
@@ -163,6 +175,11 @@ def settled(
     loop = Loop(case, ledger, finest, margin, "uniform", correction=False, again=again)
     good = loop.settles(with_margins(case, least), found, least, EQUAL)
     return of_the_search(found, loop.best if good else found).telling(refinement=loop.told)
+
+
+def _seconds(found: Result) -> str:
+    at = f"N = {found.plan.intervals}"
+    return f"{at}: {found.plan.travel_time:.4f} s" if found.claimed else f"{at}: {found.solved.outcome.claim}"
 
 
 def _broken(certificate: Certificate | None) -> int:
