@@ -73,6 +73,7 @@ def test_the_law_of_the_linear_tangent_gives_the_same_time() -> None:
     assert time == pytest.approx(STEERING, abs=1e-8)
 
 
+@pytest.mark.slow
 def test_the_robot_arm_is_as_quick_as_cops_says() -> None:
     """9.14093 at 800 intervals there; held motors come from above."""
     coarse, fine = (solved("robot_arm", intervals) - 9.14093 for intervals in (25, 100))
@@ -83,6 +84,7 @@ def test_goddards_rocket_climbs_as_high_as_cops_says() -> None:
     assert -solved("goddard", 50) == pytest.approx(1.01283, abs=1.5e-5)
 
 
+@pytest.mark.slow
 def test_the_pole_swings_up_with_second_order_from_above() -> None:
     """Towards one number, which is that of dymos to its 0.1 %."""
     coarse, middle, fine = (solved("cart_pole", intervals) for intervals in (25, 50, 100))

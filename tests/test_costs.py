@@ -19,7 +19,7 @@ def record(*overrides: str) -> Record:
 
 
 def test_parts_of_a_homotopy() -> None:
-    r = record("relaxation=scholtes")
+    r = record("relaxation=scholtes", "strategy=relax", "strategy.margin=0")
     assert r["functions_cpu_s"] + r["linear_algebra_cpu_s"] == pytest.approx(r["solve_cpu_s"])
     assert 0 < r["functions_cpu_s"] < r["solve_cpu_s"] and 0 < r["derivatives_cpu_s"] < r["build_cpu_s"]
     assert r["guess_cpu_s"] > 0 and r["homotopy_cpu_s"] > 0

@@ -31,6 +31,7 @@ def test_variational_dynamics_refuse_it_and_name_the_alternatives(dynamics: str)
         pipeline.run(case(dynamics)[1])
 
 
+@pytest.mark.slow
 def test_the_others_find_the_same_plan() -> None:
     times = [pipeline.run(one).record["travel_time_s"] for one in case("collocation")]
     assert times[0] == pytest.approx(times[1], abs=1e-4)

@@ -260,6 +260,7 @@ def test_wrong_reaction_to_rotation_is_noticed() -> None:
     assert np.log2(errors[0] / errors[1]) < 1.5
 
 
+@pytest.mark.slow
 def test_a_handover_in_quaternions_takes_as_long_as_in_angles() -> None:
     told_both = ("+scenario=static", "strategy=phases", "strategy.margin=0", "scenario.intervals=60")
     found = [

@@ -60,6 +60,7 @@ def test_the_expression_does_not_grow_with_the_rows(tmp_path: Path, recorded: Pa
     assert len(Spline(recorded).parameters) == 0, "which every node of a grid would repeat"
 
 
+@pytest.mark.slow
 def test_ten_minutes_of_a_recording_are_planned_like_the_circle_they_show(recorded: Path) -> None:
     """The same flight in as many iterations: the interpolation is 2e-11 m off, so only rounding differs."""
     target = f"scenario.target={{_target_: benchbench_plugins.motions.Spline, csv: {recorded}}}"

@@ -116,6 +116,7 @@ def test_each_plugin_is_one_file_and_one_line() -> None:
     assert not files, "a plugin needs more than its file and its line"
 
 
+@pytest.mark.slow
 def test_each_plans(told: dict[str, Any]) -> None:
     relaxation, strategy, scenario = (told["plans"][name] for name in ("relaxation", "strategy", "scenario"))
     assert relaxation["relaxation"] == "soft_minimum" and relaxation["claimed_success"]
@@ -131,6 +132,7 @@ def test_each_plans(told: dict[str, Any]) -> None:
     assert scenario["contact_gaps"]["height"] <= 0.005
 
 
+@pytest.mark.slow
 def test_mistakes_are_told_as_ours_are(told: dict[str, Any]) -> None:
     said = told["mistakes"]
     assert "soft_minimum" in told["choices"]["relaxation"] and "height" in told["choices"]["scenario/contact"]
@@ -146,6 +148,7 @@ def test_mistakes_are_told_as_ours_are(told: dict[str, Any]) -> None:
     )
 
 
+@pytest.mark.slow
 def test_documented_commands_compose(told: dict[str, Any]) -> None:
     assert len(told["composed"]) == len(documented()) >= 4
 

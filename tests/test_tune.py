@@ -33,6 +33,7 @@ def study(folder: Path, name: str = "tune") -> optuna.Study:
     return optuna.load_study(study_name=name, storage=f"sqlite:///{folder}/results/tune/{name}/study.db")
 
 
+@pytest.mark.slow
 def test_a_study_ends_with_a_configuration_that_runs_and_goes_on(tmp_path: Path) -> None:
     first = told(tmp_path, *OPTUNA, *SMALL, "hydra.sweeper.n_trials=2")
     assert first.returncode == 0, first.stdout + first.stderr
