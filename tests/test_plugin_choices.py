@@ -43,15 +43,6 @@ class Toll(Cost):
     def spent(self, plant, q, v, u):
         raise NotImplementedError
 
-class Never(Contact):
-    noun, aside, reach, kept = "height", "above the ground", None, "always"
-    def __init__(self, limit=0.2):
-        self.limit = limit
-    def condition(self, model, node, target):
-        raise NotImplementedError
-    def gap(self, plant, q, v, target_position, target_velocity):
-        raise NotImplementedError
-
 class Ground(Contact):
     noun, aside, reach = "height", "above the ground", None
     def __init__(self, limit=0.2):
@@ -60,6 +51,9 @@ class Ground(Contact):
         raise NotImplementedError
     def gap(self, plant, q, v, target_position, target_velocity):
         raise NotImplementedError
+
+class Never(Ground):
+    kept = "always"
 '''
 ENTRIES = """
 [benchbench.conf]

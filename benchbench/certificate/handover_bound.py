@@ -39,16 +39,16 @@ def handover_bound(scenario: ToRest, model: Model, plant: Plant) -> Bound:
 
 def _quickest(scenario: ToRest, model: Model, plant: Plant) -> Bound:
     """A task is asked about before it is planned and when its plan is told: the last ones are kept, with what they are kept for."""
-    for of, flown_by, bound in _KEPT:
-        if of is scenario and flown_by is model:
+    for *of, bound in _KEPT:
+        if of[0] is scenario and of[1] is model and of[2] is plant:
             return bound
     sequences = scenario.itinerary.sequences()
     found = min((_proved(scenario, made, model, plant) for made in sequences), key=_seconds)
-    _KEPT.append((scenario, model, found))
+    _KEPT.append((scenario, model, plant, found))
     return found
 
 
-_KEPT: deque[tuple[ToRest, Model, Bound]] = deque(maxlen=4)
+_KEPT: deque[tuple[ToRest, Model, Plant, Bound]] = deque(maxlen=4)
 
 
 def level_bound(scenario: ToRest, model: Model, plant: Plant, proved: Bound) -> Bound | None:

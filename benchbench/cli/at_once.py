@@ -11,8 +11,9 @@ from pathlib import Path
 from benchbench import __version__
 from benchbench.cli import commands
 from benchbench.ground.errors import BadInput, BenchBenchError, unknown_choice
+from benchbench.ground.families import FLOWN
 from benchbench.run import numbers
-from benchbench.run.choices import FAMILIES, FLYING, choices, folder
+from benchbench.run.choices import FAMILIES, choices, folder
 from benchbench.run.telling import complain, usage
 
 DONE, BAD_INPUT = 0, 2
@@ -27,7 +28,7 @@ ELSEWHERE = ("-m", "--multirun", "-cp", "--config-path", "-cn", "--config-name",
 """Options with which choices are not looked at here: several at a time, or from another configuration."""
 COMMAND = re.compile(r"[a-z_]\w*")
 """A first argument that can only be a command: what Hydra takes has an equals sign, a tilde or a dash."""
-CHOICE = re.compile(rf"(\+scenario|{'|'.join((*FAMILIES[1:], *FLYING))}|peer)=(\w+)")
+CHOICE = re.compile(rf"(\+scenario|{'|'.join((*FAMILIES[1:], *FLOWN))}|peer)=(\w+)")
 
 
 def answer(arguments: Sequence[str]) -> int | None:
@@ -68,7 +69,7 @@ def _answer(arguments: Sequence[str]) -> int | None:
     own = _own(arguments)
     asked = "--help" in arguments or "-h" in arguments
     if asked or not arguments:
-        named = {family: choices(family, *own) for family in (*FAMILIES, *FLYING)}
+        named = {family: choices(family, *own) for family in (*FAMILIES, *FLOWN)}
         print(usage(commands.summaries(), named))
         sys.stdout.flush()
     if asked:

@@ -12,7 +12,8 @@ from argcomplete.lexers import split_line
 
 from benchbench.cli import commands
 from benchbench.cli.arguments import Parser
-from benchbench.run.choices import FAMILIES, FLYING, choices
+from benchbench.ground.families import FLOWN
+from benchbench.run.choices import FAMILIES, choices
 
 ASKED = "_ARGCOMPLETE"
 """Environment variable by which the shell asks."""
@@ -61,9 +62,9 @@ def _overrides(prefix: str, parsed_args: Any, **_: Any) -> list[str]:
     own = [Path(folder) for folder in getattr(parsed_args, "config_dir", None) or ()]
     told, chosen = prefix.partition("=")[:2]
     family = told.lstrip("+")
-    if chosen and family in (*FAMILIES, *FLYING):
+    if chosen and family in (*FAMILIES, *FLOWN):
         return [f"{told}={name}" for name in choices(family, *own)]
-    return [f"{'+' if family == 'scenario' else ''}{family}=" for family in (*FAMILIES, *FLYING)]
+    return [f"{'+' if family == 'scenario' else ''}{family}=" for family in (*FAMILIES, *FLOWN)]
 
 
 def _suites(**_: Any) -> list[str]:

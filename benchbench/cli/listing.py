@@ -16,12 +16,12 @@ from omegaconf import OmegaConf
 
 from benchbench.ground import registry
 from benchbench.ground.errors import BadInput
+from benchbench.ground.families import FLOWN
 from benchbench.nlp.availability import Availability, begin, works
 from benchbench.nlp.solver import Accuracy, Setup
 from benchbench.ocp.kinds import OWN as OWN_KINDS
 from benchbench.run import config
 from benchbench.run.choice import choice
-from benchbench.run.choices import FLYING
 
 OWN = "benchbench"
 
@@ -47,7 +47,7 @@ def listing(arguments: Sequence[str], hear: Callable[[str], None] = lambda _: No
         yield from _everything(hear)
         return
     family, _, name = arguments[0].partition("=")
-    if family not in (*config.FAMILIES, "peer", *FLYING) or name not in config.choices(family):
+    if family not in (*config.FAMILIES, "peer", *FLOWN) or name not in config.choices(family):
         raise BadInput(
             "plugins", f"'{arguments[0]}' does not exist", " ".join(f"{f}=NAME" for f in config.FAMILIES)
         )
@@ -60,7 +60,7 @@ def listing(arguments: Sequence[str], hear: Callable[[str], None] = lambda _: No
 def _everything(hear: Callable[[str], None]) -> Iterator[str]:
     begin()
     with hydra.initialize_config_dir(config.folder(), version_base="1.3"):
-        found = {family: _family(family, hear) for family in (*config.FAMILIES, "peer", *FLYING)}
+        found = {family: _family(family, hear) for family in (*config.FAMILIES, "peer", *FLOWN)}
     found |= {family: _registered(family) for family in ("contacts", "motions", "task_families")}
     found["scenarios"] = [*_own_kinds(), *_registered("scenarios")]
     widths = tuple(

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from benchbench.ground import registry
 from benchbench.ground.errors import BadInput
-from benchbench.ground.families import FLOWN, PLANNED
+from benchbench.ground.families import PLANNED
 
 GROUPS = {
     "dynamics": "dynamics", "relaxations": "relaxation", "solvers": "solver", "strategies": "strategy",
@@ -23,8 +23,6 @@ EVERY = (*GROUPS.items(), ("costs", "scenario/cost"), ("contacts", "scenario/obs
 """The same with what a scenario may have besides, as pairs: an obstacle is a contact that is always kept."""
 FAMILIES = (*PLANNED, "certificate")
 """What a run chooses from, in the order of the help."""
-FLYING = FLOWN
-"""What flights choose from besides."""
 PARTS = ("handover", "hardware")
 """YAML files that others build on; nothing to choose by itself."""
 

@@ -76,7 +76,7 @@ class AerialManipulatorPlant(Plant):
         rates = np.concatenate([self._attitude.body_rates(turning, w), v[..., 6:]], axis=-1)
         products = rates[..., PAIRS[0]] * rates[..., PAIRS[1]]
         both = (products[..., None] * arm[..., None, :]).reshape(*products.shape[:-1], -1)
-        right = u @ self._wrench.T - both @ self._turning_table
+        right = _apply(self._wrench, u) - both @ self._turning_table
         matrix = (arm @ self._inertia_table).reshape(*arm.shape[:-1], 7, 7)
         x = np.linalg.solve(matrix, right[..., None])[..., 0]
         out = np.empty_like(x)
@@ -159,7 +159,12 @@ class AerialManipulatorPlant(Plant):
                 for i, j in zip(*PAIRS, strict=True)
             ]
         )
-        return fit @ self.inertia(arm[:, None]).reshape(5, 49), (fit @ pairs).reshape(50, 7)
+        return _exact(fit @ self.inertia(arm[:, None]).reshape(5, 49)), _exact((fit @ pairs).reshape(50, 7))
+
+
+def _exact(table: Array) -> Array:
+    """The table with zeros where rounding left something else: what is symmetric stays so in flight."""
+    return np.where(np.abs(table) < 1e-13 * np.abs(table).max(), 0.0, table)
 
 
 def arm_frame(q: Array) -> Array:
