@@ -14,9 +14,11 @@ from benchbench.ground.arrays import Array
 from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.nlp.ledger import Ledger
 from benchbench.nlp.program import assemble
-from benchbench.ocp.motion import Motion, same_kind
+from benchbench.nlp.solver import TOLERANCE
+from benchbench.ocp.motion import Kind, Motion, same_kind
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
+from benchbench.planning.followed import followed
 from benchbench.planning.guess import straight_line
 from benchbench.planning.replan import Replanner, moved, renumbered
 from benchbench.planning.result import Result
@@ -64,7 +66,7 @@ def test_renumbered_problem_is_the_one_built_anew(name: str) -> None:
     case = composing.case_of(f"+scenario={name}", *SMALL)
     old = phases(case, straight_line(case))
     q = case.scenario.start_point(case.model) + 0.01
-    new = moved(case, TARGETS[name], q, np.linspace(-0.1, 0.1, 7))
+    new = moved(case, TARGETS[name], q, np.linspace(-0.1, 0.1, 7), Kind(TARGETS[name]))
     built = phases(new, straight_line(new))
     assert renumbered(old, new, TARGETS[name]).mpcc.digest == built.mpcc.digest != old.mpcc.digest
 
@@ -73,7 +75,7 @@ def test_parameters_of_a_program_are_the_constants_of_another() -> None:
     case = composing.case_of("+scenario=linear", *SMALL)
     old, new = (
         phases(c, straight_line(c)).mpcc
-        for c in (case, moved(case, TARGETS["linear"], np.ones(7), np.zeros(7)))
+        for c in (case, moved(case, TARGETS["linear"], np.ones(7), np.zeros(7), Kind(TARGETS["linear"])))
     )
     open_, constant = assemble(old, "never", tuple(case.scenario.contacts)), assemble(new, "never")
     p, x = open_.numbers(new, 0.0), new.guess + 0.01
@@ -100,6 +102,39 @@ def test_shift_reads_the_old_plan_later() -> None:
     np.testing.assert_array_equal(shift.rows(np.eye(3)), np.eye(3))
     still = Shift(grid, duration, 0.0)
     np.testing.assert_allclose(still.rows(old[:, None]), old[:, None], atol=1e-14)
+
+
+def test_a_start_goes_with_its_target() -> None:
+    """Tool and target are as far apart in contact as before, ends stay, and speeds are those of the places."""
+    case = composing.case_of("+scenario=linear", *SMALL)
+    problem = phases(case, straight_line(case))
+    way, x = np.array([0.03, -0.02, 0.01]), problem.mpcc.guess
+    assert problem.contact is not None
+    (nodes,) = problem.contact.values()
+    before = problem.mpcc.split(x)
+    time = problem.trajectory.grid.time_weights @ before["T"].ravel()
+    after = problem.mpcc.split(followed(problem, case.model, x, lambda t: t[:, None] * way))
+    change = after["q"] - before["q"]
+    np.testing.assert_allclose(change[list(nodes), :3], time[list(nodes), None] * way, atol=1e-12)
+    assert not change[[0, -1]].any() and not change[:, 3:].any()
+    moved_by = np.cumsum(
+        np.diff(time)[:, None] * ((after["v"] - before["v"])[1:] + (after["v"] - before["v"])[:-1]) / 2,
+        axis=0,
+    )
+    np.testing.assert_allclose(moved_by, change[1:], atol=2e-3)
+    np.testing.assert_array_equal(after["u"], before["u"])
+
+
+def test_a_replan_stays_as_far_from_bounds_as_its_accuracy_needs() -> None:
+    """Slack times multiplier is about mu, which goes no further down than the tolerance asks."""
+    replanner = Replanner(composing.case_of("+scenario=linear", *SMALL, "accuracy=low"))
+    answer = replanner.plan(TARGETS["linear"], *state(replanner.first.plan, 0.0))
+    mpcc, outcome = answer.result.problem.mpcc, answer.result.solved.outcome
+    assert outcome.claim == "solved" and outcome.point.lam_x is not None
+    slack = np.minimum(outcome.point.x - mpcc.lower, mpcc.upper - outcome.point.x)
+    bound = np.isfinite(slack) & (mpcc.upper > mpcc.lower) & (np.abs(outcome.point.lam_x) > 1e-3)
+    products = np.abs(outcome.point.lam_x[bound]) * slack[bound]
+    assert TOLERANCE["low"] / 100 < np.median(products) < TOLERANCE["low"]
 
 
 def test_the_example_follows_its_target(capsys: pytest.CaptureFixture[str]) -> None:

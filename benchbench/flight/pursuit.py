@@ -79,11 +79,11 @@ class Pursuit:
 
     def _entry(self, way: Way, target: Motion) -> float:
         """When the plan comes within reach of what was predicted, s from its beginning; at the latest with the contact."""
-        times: Array = STEP * np.arange(len(way.state), dtype=float)
-        place, _ = tip(way.state, self.airframe.arm_offset, self.airframe.arm_length)
+        times: Array = STEP * np.arange(max(round(way.window[0] / STEP), 1), dtype=float)
+        place, _ = tip(way.state[: len(times)], self.airframe.arm_offset, self.airframe.arm_length)
         centre = sample(target, times)[0] - [0, 0, self.waiting.ball_radius]
         near = np.linalg.norm(place - centre, axis=1) - self.waiting.ball_radius <= self.waiting.reach
-        return min(float(times[np.argmax(near)]) if near.any() else np.inf, way.window[0])
+        return float(times[np.argmax(near)]) if near.any() else way.window[0]
 
 
 def hovering(reference: Reference, target: Motion, late: float, airframe: Airframe) -> Reference:

@@ -73,7 +73,25 @@ def planned(motion: Motion, times: Array) -> tuple[Array, Array]:
 
 def same_kind(one: Motion, other: Motion) -> bool:
     """Whether two motions differ in their parameters only."""
-    return _place_function(one).serialize() == _place_function(other).serialize()
+    return Kind(one).has(other)
+
+
+@final
+class Kind:
+    """Motions that differ in their parameters only: one function for all, since to make it takes longer than to evaluate it."""
+
+    def __init__(self, motion: Motion) -> None:
+        """Of one of them."""
+        self._place = _place_function(motion)
+        self._told = self._place.serialize()
+
+    def has(self, motion: Motion) -> bool:
+        """Whether another motion is one of them."""
+        return _place_function(motion).serialize() == self._told
+
+    def places(self, motion: Motion, times: Array) -> Array:
+        """Return positions (n, 3) m of one of them at times (n,) s."""
+        return np.asarray(self._place(times[None, :], motion.parameters).full().T)
 
 
 def _place_function(motion: Motion) -> ca.Function:

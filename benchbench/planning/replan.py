@@ -22,12 +22,13 @@ from benchbench.mpcc.derivatives import Compile
 from benchbench.mpcc.problem import Block, Variable
 from benchbench.nlp.homotopy import Solved
 from benchbench.nlp.ledger import Ledger
-from benchbench.nlp.solver import Outcome, Setup
-from benchbench.ocp.motion import Motion, same_kind
+from benchbench.nlp.solver import Outcome, Point, Setup
+from benchbench.ocp.motion import Kind, Motion
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.stop import Stop
 from benchbench.planning.case import Case
+from benchbench.planning.followed import followed
 from benchbench.planning.guess import straight_line
 from benchbench.planning.result import Result
 from benchbench.planning.shift import Shift
@@ -72,7 +73,8 @@ class Replanner:
     def __init__(self, case: Case, rescue: bool = True) -> None:
         """Build the program; rescue: whether a plan that is not found from the last one is looked for from the straight line."""
         self.rescue = rescue
-        contacts = tuple(chased(case.scenario).contacts)
+        stop = chased(case.scenario)
+        contacts, self.kind = tuple(stop.contacts), Kind(stop.target)
         began, ledger = time.perf_counter(), Ledger(case.time_limit)
         problem = phases(case, straight_line(case))
         fast: Compile = "never" if case.compile == "never" else "optimised"
@@ -92,7 +94,7 @@ class Replanner:
         began = time.perf_counter()
         if not (np.isfinite(elapsed) and elapsed >= 0):
             raise BadInput("elapsed", f"{elapsed!r} was given", "a number of seconds of at least 0")
-        case = moved(self.last.case, target, q, v)
+        case = moved(self.last.case, target, q, v, self.kind)
         old = self.last.result
         problem = renumbered(old.problem, case, target)
         duration = old.solved.values["T"].ravel()
@@ -100,10 +102,7 @@ class Replanner:
             raise BadInput(
                 "elapsed", f"{elapsed:g} s have gone, contact has begun", f"below {duration[0]:g} s"
             )
-        start = Shift(problem.trajectory.grid, duration, elapsed).point(
-            problem.mpcc, old.solved.outcome.point
-        )
-        start = replace(start, x=np.clip(start.x, problem.mpcc.lower, problem.mpcc.upper))
+        start = self._start(problem, case, elapsed)
         problem = eased(problem, case, start.x)
         outcome = self._solve(problem.mpcc, start)
         cold = self.rescue and outcome.claim != "solved"
@@ -111,19 +110,32 @@ class Replanner:
         self.last = Replan(case, result, time.perf_counter() - began, cold)
         return self.last
 
+    def _start(self, problem: Problem, case: Case, elapsed: float) -> Point:
+        """The rest of the last plan, moved with its target."""
+        old, known = self.last.result.solved, chased(self.last.case.scenario).target
+        new = chased(case.scenario).target
+        shift = Shift(problem.trajectory.grid, old.values["T"].ravel(), elapsed)
+        rest = shift.point(problem.mpcc, old.outcome.point)
+
+        def away(times: Array) -> Array:
+            return self.kind.places(new, times) - self.kind.places(known, times + elapsed)
+
+        x = followed(problem, case.model, rest.x, away)
+        return replace(rest, x=np.clip(x, problem.mpcc.lower, problem.mpcc.upper))
+
     def _cold(self, case: Case) -> Result:
         return pose(phases(case, straight_line(case)), case, Ledger(case.time_limit), "cold plan")
 
 
-def moved(case: Case, target: Motion, q: Array, v: Array) -> Case:
+def moved(case: Case, target: Motion, q: Array, v: Array, kind: Kind) -> Case:
     """The same case from another state, with another motion of the same kind; raises BadInput otherwise."""
     for field, values, box in (("q", q, case.model.configuration), ("v", v, case.model.velocity)):
         if np.shape(values) != (len(box.names),) or not np.all(np.isfinite(values)):
             problem, names = f"{np.array(values).tolist()} was given", ", ".join(box.names)
             raise BadInput(field, problem, f"{len(box.names)} numbers: {names}")
-    known = chased(case.scenario).target
-    if not same_kind(target, known):
-        raise BadInput("target", f"'{type(target).__name__}' is another kind of motion", type(known).__name__)
+    if not kind.has(target):
+        known = type(chased(case.scenario).target).__name__
+        raise BadInput("target", f"'{type(target).__name__}' is another kind of motion", known)
     start = dict(zip(case.model.configuration.names, map(float, q), strict=True))
     rates = dict(zip(case.model.velocity.names, map(float, v), strict=True))
     update = {"target": target, "start": start, "start_velocity": rates}

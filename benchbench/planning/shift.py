@@ -13,6 +13,13 @@ from benchbench.nlp.solver import Point
 from benchbench.transcription.grid import Grid
 
 
+def marks(count: int, intervals: int) -> Array:
+    """Where rows that belong to nodes or to parts of intervals are, (count,), in intervals from the beginning."""
+    if count == intervals + 1:
+        return np.arange(intervals + 1.0)
+    return np.asarray((np.arange(count) + 0.5) / (count // intervals))
+
+
 @dataclass(frozen=True)
 class Shift:
     """Moves rows that belong to nodes or intervals to where the new nodes and intervals lie in the old plan.
@@ -57,8 +64,7 @@ class Shift:
     def _place(self, count: int) -> tuple[Index, Array]:
         """Which old row is next after each new one, (R,), and its share, (R, 1)."""
         n = self.grid.intervals
-        marks = np.arange(n + 1.0) if count == n + 1 else (np.arange(count) + 0.5) / (count // n)
-        old, new = (np.interp(marks, np.arange(n + 1.0), times) for times in self._nodes)
+        old, new = (np.interp(marks(count, n), np.arange(n + 1.0), times) for times in self._nodes)
         right = np.clip(np.searchsorted(old, new), 1, len(old) - 1)
         share = np.clip((new - old[right - 1]) / (old[right] - old[right - 1]), 0.0, 1.0)
         return right, share[:, None]
