@@ -32,9 +32,8 @@ def _touching(case: Formulation, base: Mpcc, trajectory: Trajectory) -> Mpcc:
     inputs = next(variable for variable in base.variables if variable.name == "u")
     if len(inputs.guess) != len(nodes):
         problem = f"has no inputs at its nodes, where {' and '.join(model.touches)} of the vehicle is found"
-        raise IncompatibleCase(
-            "dynamics", problem, "trapezoidal, hermite_simpson, or verlet with dynamics.inputs=averaged"
-        )
+        allowed = "dynamics.inputs=linear (trapezoidal, hermite_simpson) or averaged (verlet)"
+        raise IncompatibleCase("dynamics", problem, allowed)
     sizes = {
         "q": len(model.configuration.names),
         "v": len(model.velocity.names),

@@ -20,10 +20,11 @@ from benchbench.transcription.tableau import HERMITE_SIMPSON
 class HermiteSimpson(Dynamics):
     """Lobatto IIIA with three stages: nodes and midpoint; limits hold at all of them.
 
-    inputs "interval", "linear" or "polynomial": see `benchbench.transcription.runge_kutta.transcribe`.
+    inputs "interval", "linear" or "polynomial": see `benchbench.transcription.runge_kutta.transcribe`. "linear" hides an input that
+    alternates from node to node from the velocities at nodes, as in `trapezoidal`: contacts, which are kept at nodes, are passed in between.
     """
 
-    inputs: Inputs = "linear"
+    inputs: Inputs = "interval"
 
     @property
     def order(self) -> int:

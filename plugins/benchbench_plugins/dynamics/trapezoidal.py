@@ -20,10 +20,11 @@ from benchbench.transcription.tableau import TRAPEZOIDAL
 class Trapezoidal(Dynamics):
     """Implicit trapezoidal rule (Lobatto IIIA, two stages); both stages are nodes, so limits hold at nodes only.
 
-    inputs "interval", "linear" or "polynomial": see `benchbench.transcription.runge_kutta.transcribe`.
+    inputs "interval", "linear" or "polynomial": see `benchbench.transcription.runge_kutta.transcribe`. "linear" is Betts' form; there
+    neighbours share an input, and one that alternates from node to node adds up to nothing in every row: rates swing between nodes, unseen.
     """
 
-    inputs: Inputs = "linear"
+    inputs: Inputs = "interval"
 
     @property
     def order(self) -> int:
