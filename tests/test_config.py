@@ -66,6 +66,8 @@ REFUSED = [
     ("+scenario=static scenario.travel_time=[5,1]", "scenario.travel_time", "must not exceed"),
     ("+scenario=static scenario.workspace.z=[2,1]", "scenario.workspace.z", "must not exceed"),
     ("+scenario=static scenario.target.position_m=[1,0]", "scenario.target.position_m.2", "is missing"),
+    ("+scenario=static scenario.target.position_m=3", "scenario.target.position_m", "3 was given; allowed: a list"),
+    ("+scenario=static scenario.target.position_m=[1,0,0,0]", "scenario.target.position_m", "too long; allowed: at most 3 values"),
     ("+scenario=static scenario.target.position_m=[nan,0,0]", "scenario.target.position_m.0", "a finite number"),
     ("+scenario=static scenario.target._target_=foo.Bar", "scenario.target._target_", "'foo.Bar' cannot be loaded"),
     ("+scenario=static scenario.contacts.position.limit=-1", "scenario.contacts.position.limit", "greater than 0"),

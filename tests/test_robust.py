@@ -4,22 +4,26 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pandas as pd
 import pytest
+from program import told
 from scipy.stats import binom
 
 from benchbench.analysis.binomial import decided, exact_bound
 from benchbench.analysis.front import Candidate, candidate, fastest, front
+from benchbench.analysis.refining import finer
 from benchbench.cli import commands
 from benchbench.ground.errors import BadInput
 from benchbench.report.front import draw_front
 
 
-def flown(travel_time: float, succeeded: int, flights: int = 59) -> Candidate:
+def flown(travel_time: float, succeeded: int, flights: int = 59, *overrides: str) -> Candidate:
     row = {
         "certified": True, "travel_time_s": travel_time, "flights": flights, "flights_succeeded": succeeded,
         "flights_low_exact": exact_bound(succeeded, flights), "flights_low": 0.1, "flights_high": 0.9,
+        "flight_reasons": {"too fast": float(flights - succeeded)},
     }  # fmt: skip
-    found = candidate([f"slope={travel_time}"], row)
+    found = candidate(overrides or (f"slope={travel_time}",), row)
     assert found is not None
     return found
 
@@ -47,15 +51,60 @@ def test_the_front_has_what_no_other_plan_beats() -> None:
     assert candidate([], {"certified": False, "flights": None}) is None
 
 
+def slope(value: float, travel_time: float, succeeded: int, flights: int = 20, aim: float = 1.0) -> Candidate:
+    return flown(travel_time, succeeded, flights, "+scenario=circle", f"slope={value:g}", f"aim={aim:g}")
+
+
+def asked(found: list[Candidate]) -> list[str]:
+    return [" ".join(one[1:]) for one in finer(found, "slope", 0.95)]
+
+
+def test_a_search_goes_on_where_success_falls() -> None:
+    """Between neighbours that differ; not between two that never succeed, nor beyond what proves the target."""
+    proved, half, none, fast = slope(4, 3.2, 59, 59), slope(6, 3.0, 10), slope(8, 2.9, 1), slope(12, 2.8, 0)
+    assert asked([fast, none, half, proved]) == ["slope=5 aim=1", "slope=7 aim=1"]
+    assert asked([none, fast]) == ["slope=5.6 aim=1"]  # none succeeds: gentler by far
+    assert asked([slope(3, 3.5, 59, 59), proved]) == []
+    assert asked([slope(5.0, 3.1, 59, 59), slope(5.25, 3.08, 10)]) == []  # so near that nothing is between
+
+
+def test_a_search_tries_nothing_that_a_plan_beats_already() -> None:
+    """A family whose plans are slower than one that proves it ends; a faster one that does not prove it gets a gentler plan."""
+    proved, fast = slope(5, 3.1, 59, 59), slope(6, 3.0, 10)
+    assert asked([proved, fast, slope(5, 3.3, 59, 59, aim=0.6), slope(6, 3.2, 5, aim=0.6)]) == [
+        "slope=5.5 aim=1"
+    ]
+    assert asked([slope(5, 3.2, 59, 59), slope(5, 3.1, 15, aim=0.6)]) == ["slope=4.5 aim=0.6"]
+
+
+def test_a_search_ends_at_the_fastest_slope_that_proves_it() -> None:
+    """Of a world in which plans with a slope up to 5.3 always succeed, and success falls to nothing at 7."""
+
+    def fly(value: float) -> Candidate:
+        share = min(1.0, max(0.0, (7 - value) / 1.7))
+        return slope(value, 5 - value / 5, round(20 * share) if share < 1 else 59, 20 if share < 1 else 59)
+
+    found = [fly(8.0), fly(12.0)]
+    for _ in range(9):
+        found += [fly(float(one[1].partition("=")[2])) for one in finer(found, "slope", 0.95)]
+    best = fastest(found, 0.95)
+    assert best is not None and 5.3 / 1.06 < float(best.overrides[1].partition("=")[2]) <= 5.3
+    assert len(front(found)) >= 6 and len(found) < 20
+
+
 def test_what_is_searched() -> None:
     """The slope and the aim, unless something else is given as a list."""
     usual = commands.run("robust", ["+scenario=circle", "flights=100"])
     assert isinstance(usual, commands.Sweep)
     assert {"-m", "+scenario/contact=approach", "flights=100", "target_success=0.95"} <= set(usual.arguments)
     assert sum("," in text for text in usual.arguments) == 2
+    assert {"hydra/sweeper=front", "hydra.sweeper.target=0.95"} <= set(usual.arguments)
+    asked = commands.run("robust", ["+scenario=circle", "target_success=0.9"])
+    assert isinstance(asked, commands.Sweep) and "hydra.sweeper.target=0.9" in asked.arguments
     own = commands.run("robust", ["+scenario=circle", "scenario.authority=0,0.05"])
     assert isinstance(own, commands.Sweep)
     assert [text for text in own.arguments if "," in text] == ["scenario.authority=0,0.05"]
+    assert not any("sweeper" in text for text in own.arguments)  # what is listed is all that is searched
     with pytest.raises(BadInput, match="scenario"):
         commands.run("robust", ["flights=3"])
     for scenario, says in (("race", "no ball"), ("circle,two_free", "2 targets")):
@@ -68,5 +117,25 @@ def test_what_is_searched() -> None:
 
 
 def test_the_picture_of_a_front(tmp_path: Path) -> None:
-    draw_front(tmp_path / "front.png", [flown(3.2, 59), flown(2.9, 2)], 0.95, "circle")
+    draw_front(
+        tmp_path / "front.png", [flown(3.2, 59), flown(2.9, 2)], 0.95, "circle", lambda one: one.overrides[0]
+    )
     assert (tmp_path / "front.png").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+def test_a_search_flies_between_what_it_has_flown_and_goes_on_from_its_table(tmp_path: Path) -> None:
+    """One flight each; one success in one flight proves 5 %, so 4 % are asked."""
+    asked = ("robust", "+scenario=circle", "scenario.aim.position=1.0", "flights=1", "target_success=0.04", "hydra.sweeper.rounds=2")  # fmt: skip
+    done = told(tmp_path, *asked)
+    assert "round 2" in done.stdout, done.stdout + done.stderr
+    table = pd.read_csv(next((tmp_path / "results" / "robust").glob("*.csv")))
+    slopes = table.overrides.str.extract(r"slope=(\S+)")[0].astype(float)
+    good = dict(zip(slopes, table.succeeded == table.flights, strict=True))
+    assert {5.0, 7.0, 12.0} < set(good)
+    for low, high in ((5.0, 7.0), (7.0, 12.0)):
+        assert ((low + high) / 2 in good) == (good[low] != good[high])
+    best = table[table.chosen]
+    assert len(best) == 1 and best.travel_time_s.item() == table[table.succeeded == 1].travel_time_s.min()
+    again = told(tmp_path, *asked)
+    assert "3 of 3 runs are in the table" in again.stdout and "certified  " not in again.stdout

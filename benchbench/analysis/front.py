@@ -13,7 +13,7 @@ Row = Mapping[str, Any]
 class Candidate:
     """A certified plan that was flown: how it was asked for, its travel time in s, its flights.
 
-    low: rate that its flights prove, exact and one-sided; interval: Wilson's, two-sided.
+    low: rate that its flights prove, exact and one-sided; interval: Wilson's, two-sided; reasons: against how many
     """
 
     overrides: tuple[str, ...]
@@ -22,6 +22,7 @@ class Candidate:
     succeeded: int
     low: float
     interval: tuple[float, float]
+    reasons: Mapping[str, int]
 
     @property
     def rate(self) -> float:
@@ -36,6 +37,7 @@ def candidate(overrides: Sequence[str], row: Row) -> Candidate | None:
     return Candidate(
         tuple(overrides), float(row["travel_time_s"]), int(row["flights"]), int(row["flights_succeeded"]),
         float(row["flights_low_exact"]), (float(row["flights_low"]), float(row["flights_high"])),
+        {name: int(count) for name, count in dict(row["flight_reasons"] or ()).items()},
     )  # fmt: skip
 
 

@@ -7,12 +7,14 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Protocol
 
+import numpy as np
 import pandas as pd
 import pyarrow as pa
 import yaml  # type: ignore[import-untyped]
 
 from benchbench.analysis.costs import solve_time
 from benchbench.analysis.naming import name_runs
+from benchbench.ground.arrays import Array
 from benchbench.ground.errors import BadInput
 from benchbench.report.contact_window import contact_windows
 from benchbench.report.html.charts.convergence import Converged
@@ -26,9 +28,11 @@ from benchbench.run.failure import reason
 from benchbench.run.stored import scene_parts
 from benchbench.storage.configuration import configuration
 from benchbench.storage.convergence import Iterate, read
-from benchbench.storage.files import PLAN
+from benchbench.storage.files import FLIGHT, PLAN
 from benchbench.storage.playback import read_mcap
+from benchbench.storage.recording import XYZ
 from benchbench.storage.schema import Record
+from benchbench.storage.series import read_series
 from benchbench.storage.settings import SettingsReader
 from benchbench.storage.table import frame
 
@@ -145,7 +149,7 @@ def plan_view(record: Record, title: str, folder: Path | None) -> PlanView:
     scenario, model = scene_parts(tree)
     plan, flight = recording.plan, recording.flight
     windows = [(float(plan.time[a]), float(plan.time[b])) for a, b in contact_windows(plan)]
-    shown = scene(plan, scenario, model, flight)
+    shown = scene(plan, scenario, model, flight, _truth(folder))
     return PlanView(
         run_id=str(record["run_id"]),
         title=title,
@@ -162,6 +166,18 @@ def plan_view(record: Record, title: str, folder: Path | None) -> PlanView:
         ),
         config=yaml.safe_dump(tree, sort_keys=False),
     )
+
+
+def _truth(folder: Path | None) -> Array | None:
+    """What happened in the flight that was recorded beside the plan; None where there is none, or it cannot be read."""
+    path = Path(folder or "", FLIGHT)
+    with suppress(BadInput):
+        tool, ball = (
+            read_series(path, f"/truth/{what}", XYZ) if path.is_file() else None
+            for what in ("end_effector", "ball")
+        )
+        return None if tool is None or ball is None else np.hstack([tool, ball[:, 1:]])
+    return None
 
 
 def _has_plan(folder: Path | None) -> bool:

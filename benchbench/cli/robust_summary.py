@@ -5,116 +5,123 @@ from __future__ import annotations
 import csv
 import io
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
-from benchbench.analysis.front import Candidate, candidate, fastest, front
-from benchbench.cli.suite_summary import rows_of
+from benchbench.analysis.front import Candidate, fastest, front
+from benchbench.run.fitting import on_terminal, width
 from benchbench.run.overrides import keys
 from benchbench.run.settings import NOT_DECISIVE
 from benchbench.storage.files import write_bytes
+from benchbench.sweep.rows import candidates
 from benchbench.sweep.sweep import Swept
 
 FOLDER = "robust"
 """In the folder of results."""
-COLUMNS = ("certified", "travel_time_s", "flights", "flights_succeeded", "flights_low_exact", "flights_low", "flights_high", "config_hash")  # fmt: skip
 TARGET = 0.95
 """Where a run says none."""
+COLUMNS = (
+    "travel_time_s", "flights", "succeeded", "proved", "wilson_low", "wilson_high", "failed", "front", "chosen", "overrides",
+)  # fmt: skip
+NAMED = ("scenario", "controller", "autopilot", "residual", "mismatch")
+"""What the title of the picture says, where all plans have the same."""
 
 
-def conclude(typed: Sequence[str], swept: Sequence[Swept]) -> None:
+def conclude(swept: Sequence[Swept]) -> None:
     """Print the front of what was flown, and write it; raises BadInput where it cannot be written."""
-    rows = rows_of(swept, COLUMNS)
-    found = [
-        one
-        for s in swept
-        if s.place
-        and (row := rows.get(s.place.labels["config_hash"]))
-        and (one := candidate(_told(s.overrides), row))
-    ]
+    flown = sorted(candidates(swept), key=lambda one: one.travel_time)
+    found = [replace(one, overrides=_told(one.overrides)) for one in flown]
     root = next((one.place.root for one in swept if one.place), None)
     if root is None or not found:
         print("no certified plan was flown")
         return
-    target = next(
-        (_number(text) for one in swept for text in one.overrides if "target_success" in keys([text])), TARGET
-    )
+    target = next((float(said) for one in swept if (said := _said(one.overrides, "target_success"))), TARGET)
     best, chosen = front(found), fastest(found, target)
-    for one in sorted(found, key=lambda c: c.travel_time):
-        mark = "->" if one is chosen else " *" if one in best else "  "
-        flown = f"{one.succeeded} of {one.flights}"
-        print(
-            f"{mark} {one.travel_time:7.4f} s  {flown:>9} flights, {100 * one.low:5.1f} % proved  {_differing(one, found)}"
-        )
+    print(*_shown(found, best, chosen), sep="\n")
     print(
-        "->: the fastest that proves what is asked; *: the front, which no other plan beats in travel time and success"
+        f"front        {len(best)} plans of {len(found)}, marked * and ->: none of the others is faster and succeeds as often"
     )
     path = root / FOLDER / f"{datetime.now():%Y-%m-%d_%H-%M-%S-%f}.csv"
     write_bytes(path, _table(found, best, chosen).encode())
-    _draw(path.with_suffix(".png"), found, target, typed)
-    print(f"front        {path}\n             {path.with_suffix('.png')}")
+    _draw(path.with_suffix(".png"), found, target)
+    print(f"             {path}\n             {path.with_suffix('.png')}")
     if chosen is None:
         print(
             f"no plan proves {100 * target:g} %: more flights (flights=...), or gentler plans (a smaller slope)"
         )
-    else:
-        print(f"again        python -m benchbench {shlex.join(chosen.overrides)}")
+        return
+    print(
+        f"fastest      {chosen.travel_time:.4f} s of those that prove {100 * target:g} %, marked ->; to fly it in other worlds:"
+    )
+    print(f"             python -m benchbench {shlex.join(_again(chosen))}")
 
 
-def _draw(path: Path, found: Sequence[Candidate], target: float, typed: Sequence[str]) -> None:
+def _again(one: Candidate) -> list[str]:
+    """Its overrides for flights of another seed, none left out."""
+    kept = [text for text in one.overrides if not keys([text]) & {"seed", "target_success"}]
+    return [*kept, f"seed={int(_said(one.overrides, 'seed') or 0) + 1}"]
+
+
+def _draw(path: Path, found: Sequence[Candidate], target: float) -> None:
     from benchbench.report.front import draw_front
 
+    common = [text for text in found[0].overrides if all(text in one.overrides for one in found)]
+    said = [name for group in NAMED if (name := _said(common, group))]
+    title = f"What success costs: {', '.join(said)}"
     draw_front(
-        path,
-        found,
-        target,
-        f"What success costs: {' '.join(text for text in _told(typed) if ',' not in text)}",
+        path, found, target, title, lambda one: " ".join(map("=".join, _differing(one, found).items()))
     )
 
 
-def _told(overrides: Sequence[str]) -> list[str]:
+def _told(overrides: Sequence[str]) -> tuple[str, ...]:
     """Overrides that say what is flown, not where results go or how many run at once."""
-    return [text for text in overrides if not keys([text]) & set(NOT_DECISIVE)]
+    return tuple(text for text in overrides if not keys([text]) & set(NOT_DECISIVE))
 
 
-def _differing(one: Candidate, found: Sequence[Candidate]) -> str:
-    """What it was asked for that not all others were."""
+def _differing(one: Candidate, found: Sequence[Candidate]) -> dict[str, str]:
+    """What it was asked for that not all others were, by field without the scenario's own name before it."""
     common = set.intersection(*(set(other.overrides) for other in found))
-    return " ".join(text for text in one.overrides if text not in common)
+    told = (text.lstrip("+").partition("=") for text in one.overrides if text not in common)
+    return {key.removeprefix("scenario.").removeprefix("contacts."): value for key, _, value in told}
 
 
-def _number(text: str) -> float:
-    return float(text.partition("=")[2])
+def _said(overrides: Sequence[str], field: str) -> str:
+    """The value that overrides give a field; "" without one."""
+    return next(
+        (text.partition("=")[2] for text in overrides if text.lstrip("+").startswith(f"{field}=")), ""
+    )
+
+
+def _failed(one: Candidate) -> str:
+    often = sorted(one.reasons.items(), key=lambda pair: -pair[1])
+    return ", ".join(f"{name} {count}" for name, count in often)
+
+
+def _shown(found: Sequence[Candidate], best: Sequence[Candidate], chosen: Candidate | None) -> Iterator[str]:
+    """Lines of a table; on a terminal only what fits, the file has all."""
+    fields = list(dict.fromkeys(field for one in found for field in _differing(one, found)))
+    rows = [("", "travel time", "succeed", "proved", *fields)]
+    for one in found:
+        mark, has = "->" if one is chosen else " *" if one in best else "  ", _differing(one, found)
+        told = (f"{one.travel_time:.4f} s", f"{one.succeeded} of {one.flights}", f"{100 * one.low:.1f} %")
+        rows.append((mark, *told, *(has.get(field, "") for field in fields)))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row, why in zip(rows, ("why others fail", *map(_failed, found)), strict=True):
+        line = "  ".join((*(text.rjust(size) for text, size in zip(row, widths, strict=True)), why)).rstrip()
+        yield line[: width()] if on_terminal() else line
 
 
 def _table(found: Sequence[Candidate], best: Sequence[Candidate], chosen: Candidate | None) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(
-        [
-            "travel_time_s",
-            "flights",
-            "succeeded",
-            "proved",
-            "wilson_low",
-            "wilson_high",
-            "front",
-            "chosen",
-            "overrides",
-        ]
-    )
-    for one in sorted(found, key=lambda c: c.travel_time):
+    writer.writerow(COLUMNS)
+    for one in found:
         writer.writerow(
             [
-                one.travel_time,
-                one.flights,
-                one.succeeded,
-                one.low,
-                *one.interval,
-                one in best,
-                one is chosen,
+                one.travel_time, one.flights, one.succeeded, one.low, *one.interval, _failed(one), one in best, one is chosen,
                 shlex.join(one.overrides),
             ]
-        )
+        )  # fmt: skip
     return text.getvalue()

@@ -17,6 +17,7 @@ from benchbench.run.settings import NOT_DECISIVE
 from benchbench.run.suites import Suite
 from benchbench.storage import provenance
 from benchbench.storage.files import write_bytes
+from benchbench.sweep.rows import rows_of
 from benchbench.sweep.sweep import Swept
 
 FOLDER = "suites"
@@ -53,24 +54,6 @@ def conclude(name: str, suite: Suite, quick: bool, swept: Sequence[Swept]) -> No
     }  # fmt: skip
     write_bytes(path, (json.dumps(content, indent=1, allow_nan=False) + "\n").encode())
     print(f"{'summary':<13}  {path}")
-
-
-def rows_of(swept: Sequence[Swept], columns: Sequence[str]) -> dict[str, Row]:
-    """Return the newest row of each run that took part, by its hash."""
-    from benchbench.storage.table import added
-
-    found: dict[str, Row] = {}
-    wanted = {one.place.labels["config_hash"] for one in swept if one.place}
-    for root in {one.place.root for one in swept if one.place}:
-        for row in added(root, set(), (*columns, "started_at")):
-            old = found.get(row["config_hash"])
-            if row["config_hash"] in wanted and (old is None or _began(old) <= _began(row)):
-                found[row["config_hash"]] = row
-    return found
-
-
-def _began(row: Row) -> str:
-    return row["started_at"] or ""
 
 
 def _method(one: Swept) -> tuple[str, ...]:

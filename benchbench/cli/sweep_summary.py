@@ -9,10 +9,11 @@ from rich.console import Console
 from rich.table import Table
 
 from benchbench.analysis.suite import Row
-from benchbench.cli.suite_summary import rows_of, why
+from benchbench.cli.suite_summary import why
 from benchbench.run.fitting import fitted
 from benchbench.run.summary import above, near
 from benchbench.run.sweep_line import show_line
+from benchbench.sweep.rows import rows_of
 from benchbench.sweep.sweep import Swept, shared
 
 COLUMNS = (

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import final
+from typing import Annotated, final
 
-from pydantic import BaseModel, ConfigDict
+from pydantic import BaseModel, ConfigDict, Field
 
 from benchbench.ocp.scenario import NonNegative, Positive
 
@@ -27,4 +27,4 @@ class FlightLimits(BaseModel):
     touch_speed: Positive
     heading: Positive
     slow: Positive
-    controller_late: NonNegative
+    controller_late: Annotated[float, Field(ge=0, le=1)]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
+from pydantic import Field
 
 from benchbench.ground.arrays import Array
 
@@ -46,6 +47,10 @@ class Correction(ABC):
 
 Learned = Callable[[], Correction]
 """Begins a flight: each has a correction of its own."""
+
+
+Training = Annotated[float, Field(gt=0, le=600, allow_inf_nan=False)]
+"""s of a training flight; ten minutes are more than a battery lasts."""
 
 
 class Residual(ABC):

@@ -6,7 +6,8 @@ from typing import Self, final
 
 from pydantic import BaseModel, ConfigDict, model_validator
 
-from benchbench.ocp.scenario import Positive, Range
+from benchbench.ocp.scenario import Positive
+from benchbench.ocp.task_family import Between
 
 
 @final
@@ -21,8 +22,8 @@ class Rig(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    motor_force: Range
-    servo_torque: Range
+    motor_force: Between
+    servo_torque: Between
     ball_mass: Positive
     pull: Positive
 

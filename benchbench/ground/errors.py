@@ -80,6 +80,10 @@ def invalid(field: str, error: ValidationError, names: Iterable[str] = ()) -> Ba
     place = ".".join([field, *(str(part) for part in first["loc"])])
     given, text = first["input"], first["msg"].removeprefix("Value error, ")
     match first["type"]:
+        case "too_long":
+            return BadInput(place, f"{given!r} is too long", f"at most {first['ctx']['max_length']} values")
+        case "tuple_type" | "list_type":
+            return BadInput(place, f"{given!r} was given", "a list, as [0, 1]")
         case "missing" | "missing_argument":
             return BadInput(place, "is missing")
         case "extra_forbidden" | "unexpected_keyword_argument":

@@ -71,6 +71,8 @@ class Scene:
     tool: Array
     targets: Mapping[str, Array]
     flown: Array | None
+    truth: Array | None = None
+    """Of the flight that was recorded: time s, end effector and ball m, (m, 7)."""
     marks: Marks = field(default_factory=Marks)
     obstacles: Marks = field(default_factory=Marks)
     space: tuple[Array, Array] = (np.full(3, -np.inf), np.full(3, np.inf))
@@ -134,8 +136,10 @@ class Scene:
         return [int(k) for k in nodes if np.all(np.abs(contact - self.plan.time[k]) > apart)]
 
 
-def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -> Scene:
-    """Evaluate what the views draw."""
+def scene(
+    plan: Plan, scenario: Scenario, model: Model, replay: Replay | None, truth: Array | None = None
+) -> Scene:
+    """Evaluate what the views draw; truth: of the flight that was recorded, as in `Scene`."""
     plant = model.plant()
     tool, _ = plant.tool(plan.configuration, plan.velocity)
     flown = None if replay is None else plant.tool(replay.configuration, replay.velocity)[0]
@@ -145,7 +149,7 @@ def scene(plan: Plan, scenario: Scenario, model: Model, replay: Replay | None) -
     limits = scenario.limits(model)
     bounds = {name: pair for name, *pair in zip(limits.names, limits.lower, limits.upper, strict=True)}
     low, high = np.array([bounds.get(name, (-np.inf, np.inf)) for name in "xyz"]).T
-    return Scene(plan, model, tool, targets, flown, marks(scenario, plan), obstacles, (low, high))
+    return Scene(plan, model, tool, targets, flown, truth, marks(scenario, plan), obstacles, (low, high))
 
 
 @singledispatch

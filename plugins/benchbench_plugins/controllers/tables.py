@@ -24,7 +24,7 @@ def _on_grid(step: float) -> float:
     return step
 
 
-Stage = Annotated[float, Field(ge=GRID, allow_inf_nan=False), AfterValidator(_on_grid)]
+Stage = Annotated[float, Field(ge=GRID, le=1, allow_inf_nan=False), AfterValidator(_on_grid)]
 """s, of one stage of a horizon."""
 NEAR = 0.1
 """s before the plan comes within the magnet's reach, from which on the end effector's velocity counts: a flight may be there sooner."""

@@ -8,9 +8,8 @@ from typing import final
 import numpy as np
 from pydantic import validate_call
 
-from benchbench.flight.residual import Learned, Residual, Sample
+from benchbench.flight.residual import Learned, Residual, Sample, Training
 from benchbench.ground.errors import BadInput
-from benchbench.ocp.scenario import Positive
 from benchbench_plugins.residuals.filtered import Filtered
 
 
@@ -19,7 +18,7 @@ class Constant(Residual):
     """The mean of the residual acceleration of a training flight, in the world; what a Gaussian process has to beat."""
 
     @validate_call
-    def __init__(self, training: Positive = 12.0) -> None:
+    def __init__(self, training: Training = 12.0) -> None:
         """training: s of the flight that is learned from."""
         self.training = training
 

@@ -8,8 +8,7 @@ from typing import final
 from pydantic import validate_call
 
 from benchbench.flight.extra import need
-from benchbench.flight.residual import Learned, Residual, Sample
-from benchbench.ocp.scenario import Positive
+from benchbench.flight.residual import Learned, Residual, Sample, Training
 from benchbench_plugins.residuals.filtered import Filtered
 from benchbench_plugins.residuals.gp_fit import Points, enough, fit
 from benchbench_plugins.residuals.gp_mean import GpCorrection
@@ -20,7 +19,7 @@ class Gp(Residual):
     """One process per body axis i over the paper's features: height, arm angle, speed along the axis."""
 
     @validate_call
-    def __init__(self, points: Points = 50, training: Positive = 12.0) -> None:
+    def __init__(self, points: Points = 50, training: Training = 12.0) -> None:
         """points: means of clusters of samples that are kept; training: s of the flight that is learned from.
 
         Raises Unavailable without scikit-learn, BadInput for more points than samples.

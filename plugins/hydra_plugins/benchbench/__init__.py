@@ -40,6 +40,15 @@ ConfigStore.instance().store(
 )
 ConfigStore.instance().store(
     group="hydra/sweeper",
+    name="front",
+    node={
+        "_target_": "hydra_plugins.benchbench.FrontSweeper", "max_batch_size": None, "params": None,
+        "field": "scenario.contacts.approach.slope", "rounds": 4, "target": 0.95,
+    },
+    provider="benchbench",
+)  # fmt: skip
+ConfigStore.instance().store(
+    group="hydra/sweeper",
     name="optuna",
     node={
         "_target_": "hydra_plugins.benchbench.OptunaSweeper",
@@ -134,6 +143,39 @@ class ChoiceSweeper(BasicSweeper):
                     there = options(key.partition("@")[0])
                     if there is not None and value not in there:
                         yield overrides
+
+
+class FrontSweeper(ChoiceSweeper):
+    """All combinations, then rounds of those that fill the front of travel time against success in flight."""
+
+    def __init__(self, field: str, rounds: int, target: float, **more: Any) -> None:
+        """Take the field whose values are refined, how many rounds at most, and the success rate to be proved."""
+        super().__init__(**more)
+        self._field, self._rounds, self._target = field, rounds, target
+
+    def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
+        """Keep what Hydra gives."""
+        super().setup(hydra_context=hydra_context, task_function=task_function, config=config)
+        self._swept: Any = task_function
+
+    def is_done(self) -> bool:
+        """Whether neither a combination nor a round is left."""
+        flown = self.overrides or []
+        if super().is_done() and len(flown) < self._rounds and (batch := self._finer()):
+            print(f"round {len(flown) + 1}: plans between those that were flown, and gentler ones")
+            self.overrides = [*flown, batch]
+        return super().is_done()
+
+    def _finer(self) -> list[list[str]]:
+        from benchbench.analysis.refining import finer
+        from benchbench.sweep.rows import candidates
+
+        tried = {one.overrides for one in self._swept.swept}
+        return [
+            list(one)
+            for one in finer(candidates(self._swept.swept), self._field, self._target)
+            if one not in tried
+        ]
 
 
 class DaskLauncher(IsolatedLauncher):

@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 
 from benchbench.ground.arrays import Array
 from benchbench.report.html.charts.chart import CLEAR, FONT, GRID
-from benchbench.report.style import ARM, FAINT, FRAME, INK, LIMIT, TARGET, TOOL
+from benchbench.report.style import ARM, CURVES, FAINT, FRAME, INK, LIMIT, TARGET, TOOL
 from benchbench.report.views import Scene, skeleton
 
 FRAMES = 60
@@ -60,6 +60,8 @@ def _paths(scene: Scene) -> list[go.Scatter3d]:
     lines.append(("end effector, planned", scene.tool, TOOL, 4))
     if scene.flown is not None:
         lines.append(("end effector, replayed", _inside(scene, scene.flown), INK, 2))
+    if scene.truth is not None:
+        lines.append(("end effector, in flight", _inside(scene, scene.truth[:, 1:4]), CURVES[4], 4))
     paths = [
         _line(points, color, width, name=name, hoverinfo="skip", showlegend=i >= len(scene.targets))
         for i, (name, points, color, width) in enumerate(lines)
@@ -130,6 +132,22 @@ def _moving(scene: Scene, node: int) -> list[go.Scatter3d]:
         _line(_joined(arm), ARM, 7, name="arm", hoverinfo="skip"),
         _dot(scene.tool[node], TOOL, "circle", "end effector"),
         *(_dot(target[node], TARGET, "square", name) for name, target in scene.targets.items()),
+        *_in_flight(scene, node),
+    ]
+
+
+def _in_flight(scene: Scene, node: int) -> list[go.Scatter3d]:
+    """End effector and ball of the flight that was recorded, at the time of a node."""
+    if scene.truth is None:
+        return []
+    now = [
+        np.interp(scene.plan.time[node], scene.truth[:, 0], column, right=np.nan)
+        for column in scene.truth.T[1:]
+    ]
+    tool, ball = np.reshape(now, (2, 3))
+    return [
+        _dot(tool, CURVES[4], "circle", "end effector, in flight"),
+        _dot(ball, TARGET, "circle", "ball's centre, in flight"),
     ]
 
 
