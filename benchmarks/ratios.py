@@ -4,12 +4,13 @@ PYTHON_OF_THE_OTHER is the interpreter of an environment in which that commit is
 processes and fresh folders, A B A B, after one run of each that fills the cache of compiled blocks; printed are the medians of
 their CPU seconds, children included, and of the ratios pair by pair. On a shared machine read the ratios.
 
-Parts: command, help, version, refusal, sweep (a run among others: eight runs less two, over six); certificate, coarse and gates,
+Parts: command, help, version, refusal, number, sweep (a run among others: eight runs less two, over six); certificate, coarse and gates,
 which time the certificate alone and need a commit that has it where it is today.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import resource
@@ -45,6 +46,10 @@ def main(other: str, runs: int, wanted: list[str]) -> None:
         "help": ("--help", lambda python: _cpu(python, "--help")),
         "version": ("--version", lambda python: _cpu(python, "--version")),
         "refusal": ("a solver that does not exist", lambda python: _cpu(python, *CIRCLE[:1], "solver=nope")),
+        "number": (
+            "a number that a scenario refuses",
+            lambda python: _cpu(python, *CIRCLE, "scenario.contact_guess=2"),
+        ),
         "sweep": ("a run in a sweep, circle, N = 25", _in_a_sweep),
         "certificate": ("certificate, circle, N = 100", lambda python: _certificate(python, *CIRCLE)),
         "coarse": (
@@ -108,4 +113,11 @@ def _environment() -> dict[str, str]:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int((*sys.argv[2:], "5")[0]), sys.argv[3:])
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("other", help="interpreter of an environment with the other commit")
+    parser.add_argument("runs", nargs="?", type=int, default=5, help="pairs of each part")
+    parser.add_argument("part", nargs="*", help="all of them where none is named")
+    asked = parser.parse_args()
+    main(asked.other, asked.runs, asked.part)

@@ -12,7 +12,7 @@ from benchbench import __version__
 from benchbench.cli import commands
 from benchbench.ground.errors import BadInput, BenchBenchError, unknown_choice
 from benchbench.ground.families import FLOWN
-from benchbench.run import numbers
+from benchbench.run import plainly
 from benchbench.run.choices import FAMILIES, choices, folder
 from benchbench.run.telling import complain, usage
 
@@ -98,7 +98,7 @@ def _check(arguments: Sequence[str], own: Sequence[Path]) -> None:
         family, name = found[1].lstrip("+"), found[2]
         if name not in (there := choices(family, *own)) and name != "null":
             raise unknown_choice(family, name, there)
-    numbers.check_at_once(arguments, Path(folder()) / "scenario")
+    plainly.check(arguments, Path(folder()) / "scenario")
 
 
 def _own(arguments: Sequence[str]) -> list[Path]:

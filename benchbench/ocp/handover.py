@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Self, final
+from typing import Any, ClassVar, Self, final
 
 from pydantic import BaseModel, ConfigDict, Field, InstanceOf, model_validator
 
 from benchbench.ground.errors import BadInput
 from benchbench.ocp.contact import Contact, Contacts
 from benchbench.ocp.motion import Motion
-from benchbench.ocp.scenario import NonNegative, Positive, Scenario, Share
-from benchbench.ocp.sizes import Intervals, Nodes
-from benchbench.ocp.stop import Itinerary, Order, Stop, Visit
+from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.sizes import Nodes
+from benchbench.ocp.stop import Itinerary, Stop
 from benchbench.ocp.to_rest import ToRest
-
-Aim = Annotated[float, Field(gt=0, le=1)]
+from benchbench.ocp.values import HandoverValues, NonNegative, Positive
 
 
 class StopFields(BaseModel):
@@ -39,44 +38,21 @@ class StopFields(BaseModel):
 
 
 @final
-class Handover(ToRest):
+class Handover(HandoverValues, ToRest):
     """Fly from `start` to rest at `end` in least time and touch the moving target on the way, or several of them.
 
-    target           motion of the target, where there is one
-    stops            where there are several: stops by name, each with its target
-    order            fixed: stops are made as they are listed; free: in any order
-    visit            all: every stop is made; one: exactly one; optional: those with a reward may be left out
-    contacts         conditions that must hold together while in contact, by name
-    kappa_init       number of consecutive nodes in contact, at least 1 (paper Eq. 26), of a grid of `kappa_grid` intervals
-    kappa_grid       the grid whose nodes kappa_init counts: on a finer one a contact has more nodes and lasts as long,
-                     (kappa_init - 1) average steps of this one; null: `intervals`
-    contact_seconds  duration of the contact in s; null: (kappa_init - 1) average steps. Planned by the phase
-                     formulations, asked for by the certificate; progress variables only count nodes
-    contact_guess    where in the flight the contact is first guessed, as a fraction of the travel time;
-                     several stops are spread evenly before and after this middle
-    intervals        N, number of intervals of the time grid
-    contact_margin   share of the limits of contacts that the planner leaves unused, by contact name
-    aim              share of the limits of contacts within which the planner aims, by contact name; margins come on top
-    ball_radius      of the ball that the target stands for, m: the target is its uppermost point
-    magnet_reach     clearance in m between ball and end effector at which the magnet takes the ball
+    What it has that is a plain value stands in `HandoverValues`; besides, it has
+
+    target    motion of the target, where there is one
+    stops     where there are several: stops by name, each with its target
+    contacts  conditions that must hold together while in contact, by name
     """
 
     planning: ClassVar[tuple[str, ...]] = (*Scenario.planning, "contact_guess", "contact_margin", "aim")
 
     target: InstanceOf[Motion] | None = None
     stops: dict[str, StopFields] = Field(default_factory=dict)
-    order: Order = "fixed"
-    visit: Visit = "all"
     contacts: dict[str, InstanceOf[Contact]]
-    kappa_init: Nodes = 2
-    kappa_grid: Intervals | None = None
-    contact_seconds: NonNegative | None = None
-    contact_guess: Annotated[float, Field(gt=0, lt=1)] = 0.42
-    intervals: Intervals = 100
-    contact_margin: dict[str, Share] = Field(default_factory=dict)
-    aim: dict[str, Aim] = Field(default_factory=dict)
-    ball_radius: Positive = 0.03
-    magnet_reach: Positive = 0.022
 
     @model_validator(mode="before")
     @classmethod

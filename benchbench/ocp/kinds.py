@@ -15,9 +15,8 @@ from benchbench.ocp.handover import Handover
 from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.transfer import Transfer
+from benchbench.ocp.values import FIELD, marked
 
-FIELD = "kind"
-"""Field of a configuration that names its kind, where no field of its own does."""
 OWN: Mapping[str, type[Scenario]] = {"handover": Handover, "race": Race, "transfer": Transfer}
 """The kinds of the core; a configuration that says nothing means the first."""
 
@@ -40,8 +39,7 @@ def kind_of(values: Mapping[str, Any]) -> type[Scenario]:
             problem = f"'{name}' cannot be loaded: {broken}" if broken else f"'{name}' is not installed"
             raise BadInput(f"scenario.{FIELD}", problem, ", ".join(sorted(known)))
         return known[name]
-    marked = (kind for kind in known.values() if any(field in values for field in kind.mark))
-    return next(marked, Handover)
+    return marked(values, known.values()) or Handover
 
 
 def fields_of(values: Mapping[str, Any]) -> dict[str, Any]:

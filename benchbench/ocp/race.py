@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Self, final
+from typing import Any, ClassVar, Self, final
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from benchbench.ground.arrays import Array
 from benchbench.ground.errors import BadInput
 from benchbench.ocp.model import Model
-from benchbench.ocp.scenario import Ends, Finite, NonNegative, Positive, Scenario, at_rest, point
-from benchbench.ocp.sizes import GATES, Intervals
-from benchbench.ocp.stop import Itinerary, Order
+from benchbench.ocp.scenario import Ends, Scenario, at_rest, point
+from benchbench.ocp.stop import Itinerary
 from benchbench.ocp.track import Gate, Track
 from benchbench.ocp.track_file import TRACKS, is_point, read
+from benchbench.ocp.values import Finite, RaceValues
 
 AXES = ("x", "y", "z")
 HANDOVERS_OWN = (
@@ -38,37 +38,20 @@ MOST_FREE = 8
 
 
 @final
-class Race(Scenario):
+class Race(RaceValues, Scenario):
     """Fly from `start` through all gates, in order, to `end` in least time.
 
-    order           fixed: in the order of the track; free: in any order, which is part of what is to be found
-    sequence        numbers of the gates, from 1 as the track lists them, in the order they are passed (where that is
-                    free: in which a guess passes them); none: as listed
-    track           gates of one lap: a list, or the path of a YAML or CSV file (see `benchbench.ocp.track_file.read`); what
-                    a file says of start, end, radius and gates counts where the scenario leaves it out
-    gates           number of gates before the end, the lap repeated as often as needed; null: one lap
-    radius          of a gate that names none, m
-    end_radius      how near to the end the flight may end, m; null: `radius`
-    end_velocity    "free"; "rest": exactly at the end, upright and at rest; or [vx, vy, vz] in m/s
-    nodes_per_gate  intervals from one gate to the next
-    gate_margin     share of a gate's radius that the planner leaves unused
-    speed_guess     first guess of the speed in m/s
+    What it has that is a plain value stands in `RaceValues`; besides, it has
+
+    track         gates of one lap: a list, or the path of a YAML or CSV file (see `benchbench.ocp.track_file.read`); what
+                  a file says of start, end, radius and gates counts where the scenario leaves it out
+    end_velocity  "free"; "rest": exactly at the end, upright and at rest; or [vx, vy, vz] in m/s
     """
 
-    mark: ClassVar[tuple[str, ...]] = ("track",)
     planning: ClassVar[tuple[str, ...]] = (*Scenario.planning, "speed_guess", "gate_margin")
 
     track: str | Path | tuple[Any, ...]
-    order: Order = "fixed"
-    sequence: tuple[int, ...] = ()
-    gates: Annotated[int, Field(ge=1, le=GATES)] | None = None
-    radius: Positive = 0.3
-    end_radius: Positive | None = None
     end_velocity: str | tuple[Finite, Finite, Finite] = "free"
-    nodes_per_gate: Intervals = 40
-    gate_margin: Annotated[NonNegative, Field(lt=1)] = 0.0
-    speed_guess: Positive = 5.0
-    input_cost: NonNegative = 0.0
 
     @model_validator(mode="before")
     @classmethod

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, InstanceOf, field_validator
+from pydantic import Field, InstanceOf, field_validator
 
 from benchbench.ground.arrays import Array
 from benchbench.ground.errors import BadInput
@@ -23,20 +23,12 @@ from benchbench.ocp.model import (
     velocity_bounds,
 )
 from benchbench.ocp.stop import Itinerary
+from benchbench.ocp.values import Finite, FlightValues, NonNegative, Positive, Range, Share
 
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Share = Annotated[float, Field(ge=0, lt=1)]
-
-
-def _increasing(pair: tuple[float, float]) -> tuple[float, float]:
-    if not pair[0] <= pair[1]:
-        raise ValueError("the first number must not exceed the second")
-    return pair
-
-
-Range = Annotated[tuple[float, float], AfterValidator(_increasing)]
+__all__ = [
+    "Ends", "Finite", "NonNegative", "Positive", "Range", "Scenario", "Share", "at_rest", "coordinate", "point", "straight",
+]  # fmt: skip
+"""Types of numbers are from here, too: whoever writes a scenario or a part of one needs them."""
 
 
 @dataclass(frozen=True)
@@ -49,46 +41,22 @@ class Ends:
     upper_v: Array
 
 
-class Scenario(BaseModel, ABC):
+class Scenario(FlightValues, ABC):
     """Fly from `start` to `end` in least time; what happens on the way, and how the flight ends, says the kind.
 
-    start, end         coordinates by name (m, rad); what is not named is 0
-    start_velocity     velocities at the start by coordinate name (m/s, rad/s); what is not named is 0
-    travel_time        allowed travel time [s, s]
-    travel_time_guess  first guess of the travel time in s
-    input_cost         c_u of the paper's cost t_N + c_u sum h |u - u_ref|^2, in 1/unit^2
-    workspace          limits of coordinates by name that belong to the room, not to the vehicle
-    rate_margin        share of a velocity limit that the planner leaves unused, by coordinate name: a
-                       transcription keeps limits at its nodes, and the plan is judged by what is flown
-    kept_margins       names of margins (rate_margin.arm) that hold at least where a strategy measures them; what is
-                       overridden by hand is among them (`benchbench.run.overrides`)
-    authority          share of the range of each input that the planner leaves to the controller, half of it at either end
-    hover_ends         first and last input equal hover (authors' public demo; not in the paper)
+    What it has that is a plain value stands in `FlightValues`; besides, it may have
 
-    A kind is a final subclass with fields of its own, and with
+    obstacles  contacts that are kept always, by name
+    costs      terms of the cost beside the travel time and the inputs, by name
 
-    mark      names of fields by which a configuration says that it is of this kind; one of a kind without a mark says
-              `kind: NAME` (see `benchbench.ocp.kinds`)
+    A kind is a final subclass with fields of its own, perhaps a `mark`, and
+
     planning  names of fields that only say how a planner goes about it: no certificate asks for them, and travel times
               may be compared whatever they are
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, arbitrary_types_allowed=True)
-    mark: ClassVar[tuple[str, ...]] = ()
     planning: ClassVar[tuple[str, ...]] = ("travel_time_guess", "rate_margin", "kept_margins", "authority")
 
-    name: str
-    start: dict[str, Finite]
-    end: dict[str, Finite]
-    start_velocity: dict[str, Finite] = Field(default_factory=dict)
-    travel_time: Range = (0.1, 30.0)
-    travel_time_guess: Positive = 3.0
-    input_cost: NonNegative = 3e-3
-    workspace: dict[str, Range] = Field(default_factory=dict)
-    rate_margin: dict[str, Share] = Field(default_factory=dict)
-    kept_margins: tuple[str, ...] = ()
-    authority: Share = 0.0
-    hover_ends: bool = False
     obstacles: dict[str, InstanceOf[Contact]] = Field(default_factory=dict)
     costs: dict[str, InstanceOf[Cost]] = Field(default_factory=dict)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain, combinations, permutations
-from typing import Literal
 
 import numpy as np
 
@@ -14,9 +13,7 @@ from benchbench.ground.errors import BadInput
 from benchbench.ocp.contact import Contacts, NoseContact
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import ONLY
-
-Order = Literal["fixed", "free"]
-Visit = Literal["all", "one", "optional"]
+from benchbench.ocp.values import Order, Visit
 
 
 @dataclass(frozen=True)

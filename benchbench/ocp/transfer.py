@@ -4,19 +4,14 @@ from __future__ import annotations
 
 from typing import Self, final
 
-from benchbench.ocp.sizes import Intervals
 from benchbench.ocp.stop import Itinerary
 from benchbench.ocp.to_rest import ToRest
+from benchbench.ocp.values import TransferValues
 
 
 @final
-class Transfer(ToRest):
-    """Move from `start` to rest at `end` in least time; nothing is asked on the way. Its configuration says `kind: transfer`.
-
-    intervals  N, number of intervals of the time grid
-    """
-
-    intervals: Intervals = 100
+class Transfer(TransferValues, ToRest):
+    """Move from `start` to rest at `end` in least time; nothing is asked on the way. Its configuration says `kind: transfer`."""
 
     @property
     def grid_intervals(self) -> int:

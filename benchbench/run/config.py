@@ -19,9 +19,10 @@ from benchbench.ground.errors import BadInput, invalid, unknown_field
 from benchbench.mpcc.ready import ReadyMade
 from benchbench.nlp.relaxation import Relaxation
 from benchbench.nlp.solver import Solver
-from benchbench.ocp.kinds import FIELD, kind_of
+from benchbench.ocp.kinds import kind_of
 from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.values import FIELD
 from benchbench.planning.case import Case, Guess, ReadyCase, Strategy
 from benchbench.planning.margins import NONE
 from benchbench.planning.task_hash import task_hash

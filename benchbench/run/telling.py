@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import textwrap
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
+if TYPE_CHECKING:
+    from rich.console import Console
 
 USAGE = """BenchBench plans a flight, certifies the plan, stores it and shows it.
 
@@ -48,6 +50,9 @@ def usage(commands: Mapping[str, str], choices: Mapping[str, Sequence[str]]) -> 
 
 def _columns(rows: Mapping[str, str]) -> str:
     """Two columns on 80, the second folded."""
+    from rich.console import Console
+    from rich.table import Table
+
     grid = Table.grid(padding=(0, 2))
     grid.add_column(no_wrap=True)
     for name, text in rows.items():
@@ -63,6 +68,13 @@ def complain(kind: str, text: str, trace: str = "", console: Console | None = No
 
     console: that of a live display, above which it has to stand.
     """
+    if console is None and not sys.stderr.isatty() and "FORCE_COLOR" not in os.environ:  # sooner than by Rich
+        lines = (f"  {line}" for line in text.splitlines())
+        print(f"{trace}benchbench: {kind}", *lines, sep="\n", file=sys.stderr)
+        return
+    from rich.console import Console
+    from rich.text import Text
+
     console = console or Console(stderr=True, highlight=False)
     if trace:
         console.print(Text(trace), soft_wrap=True, end="")

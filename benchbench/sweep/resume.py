@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, final
 
 from benchbench.run.execution import BAD_INPUT, CERTIFIED, NOT_CERTIFIED
-from benchbench.run.settings import Rerun
+from benchbench.run.numbers import Rerun
 from benchbench.storage import provenance
 from benchbench.storage.contents import source_hash
 from benchbench.storage.status import Status
