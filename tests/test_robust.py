@@ -13,7 +13,7 @@ from benchbench.analysis.binomial import decided, exact_bound
 from benchbench.analysis.front import Candidate, candidate, fastest, front
 from benchbench.analysis.refining import finer
 from benchbench.cli import commands
-from benchbench.ground.errors import BadInput
+from benchbench.ground.errors import BadInput, BenchBenchError
 from benchbench.report.front import draw_front
 
 
@@ -111,6 +111,20 @@ def test_what_is_searched() -> None:
         with pytest.raises(BadInput, match=says) as told:
             commands.run("robust", [f"+scenario={scenario}"])
         assert told.value.field == "scenario"
+    ranges = commands.run("robust", ["+scenario=circle", "mismatch.gust=[0.1,0.2]"])
+    assert isinstance(ranges, commands.Sweep)  # a list that is one value is no search
+    assert "hydra/sweeper=front" in ranges.arguments
+    for wrong, field in (
+        ("flights=5,0", "flights"), ("rig.motor_force=[3,5]", "rig.motor_force"), ("workers=0", "workers"),
+        ("vehicle=race_quadrotor", "vehicle"), ("scenario.contacts.approach.slope=[5]", "scenario.contacts.approach.slope"),
+    ):  # fmt: skip
+        with pytest.raises(BenchBenchError) as told:
+            commands.run("robust", ["+scenario=circle", wrong])
+        assert getattr(told.value, "field", field) == field
+    some = commands.run(
+        "robust", ["+scenario=circle", "rig.pull=0.1,2.5"]
+    )  # wrong in one run, right in the next
+    assert isinstance(some, commands.Sweep)
     for wrong in ("2", "0", "nan", "often"):
         with pytest.raises(BadInput, match="target_success"):
             commands.run("robust", ["+scenario=circle", f"target_success={wrong}"])

@@ -37,6 +37,7 @@ DEFAULTS = {"flights": "124", "target_success": "0.95", "residual": "observer"}
 def run(arguments: Sequence[str]) -> Sweep:
     """Return the sweep it is short for; raises BadInput."""
     from benchbench.cli.commands import Sweep
+    from benchbench.cli.robust_checks import HANDOVER, check_first, check_numbers, check_scenario, parsed
     from benchbench.cli.robust_summary import conclude
     from benchbench.ground.errors import BadInput
     from benchbench.run.overrides import keys
@@ -46,15 +47,16 @@ def run(arguments: Sequence[str]) -> Sweep:
     options = [text for text in more if text.startswith("-") and text not in ("-m", "--multirun")]
     asked = keys(typed)
     if "scenario" not in asked:
-        raise BadInput("scenario", "none was chosen", "+scenario=NAME of a handover with one target")
-    _check_target(typed)
-    _check_count(typed)
-    _check_flown(typed)
+        raise BadInput("scenario", "none was chosen", HANDOVER)
+    check_numbers(typed)
+    check_scenario(typed)
     added = [] if "scenario/contact" in asked else [GENTLE]
     added += [f"{key}={value}" for key, value in DEFAULTS.items() if key not in asked]
-    if not any("," in text or "range(" in text or "choice(" in text for text in typed):
+    if not any(one.is_sweep_override() for one in parsed(typed)):
         added += [f"{key}={values}" for key, values in AXES.items() if key not in asked]
         added += _refining(typed) if not asked & {FIELD, "hydra/sweeper"} else []
+    if not options:  # which may name folders of configuration
+        check_first([*typed, *added])
     return Sweep(["-m", *options, *typed, *added], conclude)
 
 
@@ -63,58 +65,6 @@ def _refining(typed: Sequence[str]) -> list[str]:
     told = [text.partition("=")[2] for text in typed if text.lstrip("+").startswith("target_success=")]
     target = told[-1] if told else DEFAULTS["target_success"]
     return ["hydra/sweeper=front", f"hydra.sweeper.field={FIELD}", f"hydra.sweeper.target={target}"]
-
-
-def _check_target(typed: Sequence[str]) -> None:
-    """Refuse once what every run of the search would refuse."""
-    from benchbench.ground.errors import BadInput
-
-    for text in typed:
-        key, _, value = text.lstrip("+").partition("=")
-        if key != "target_success":
-            continue
-        try:
-            fits = 0 < float(value) < 1
-        except ValueError:
-            fits = False
-        if not fits:
-            raise BadInput(key, f"'{value}' was given", "a number above 0 and below 1")
-
-
-def _check_count(typed: Sequence[str]) -> None:
-    """Refuse once what plans only, or every run would refuse; lists of numbers are told by their runs."""
-    from benchbench.ground.errors import BadInput
-
-    for text in typed:
-        key, _, value = text.lstrip("+").partition("=")
-        if key == "flights" and "," not in value and not (value.isdecimal() and int(value) > 0):
-            raise BadInput(
-                key, f"'{value}' was given", "a whole number of at least 1: success is told of flights"
-            )
-
-
-def _check_flown(typed: Sequence[str]) -> None:
-    """Refuse a scenario of ours that has nothing to be flown, before fields are added that it does not have."""
-    from benchbench.flight.errand import errand
-    from benchbench.ground.errors import BadInput, BenchBenchError
-    from benchbench.run import config
-
-    told = [text.partition("=")[2] for text in typed if text.lstrip("+").startswith("scenario=")]
-    for name in ",".join(told).split(","):
-        if name not in config.choices("scenario"):
-            continue
-        cfg, _ = config.composed(f"+scenario={name}")
-        try:
-            values = config.make(cfg, "scenario")
-            scenario = config.scenario_of(values) if isinstance(values, dict) else values
-        except BenchBenchError:  # something has to be said besides, which the runs are told
-            continue
-        try:
-            errand(scenario)
-        except BadInput as error:
-            raise BadInput(
-                "scenario", error.problem, "+scenario=NAME of a handover with one target"
-            ) from None
 
 
 def parser() -> Parser:

@@ -26,9 +26,9 @@ class Approach(Contact):
 
     noun: ClassVar[str] = "speed of approach"
     aside: ClassVar[str] = "of approach"
-    limit: float = Field(0.05, gt=0)
-    slope: float = Field(4.0, gt=0)
-    radius: float = Field(0.03, gt=0)
+    limit: float = Field(0.05, gt=0, allow_inf_nan=False)
+    slope: float = Field(4.0, gt=0, allow_inf_nan=False)
+    radius: float = Field(0.03, gt=0, allow_inf_nan=False)
     unit: ClassVar[str] = "m/s"
     kept: ClassVar[Kept] = "until contact"
 

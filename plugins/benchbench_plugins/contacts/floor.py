@@ -21,7 +21,7 @@ class Floor(Contact):
 
     noun: ClassVar[str] = "depth below the floor"
     aside: ClassVar[str] = "below the floor"
-    limit: float = Field(0.01, gt=0)
+    limit: float = Field(0.01, gt=0, allow_inf_nan=False)
     unit: ClassVar[str] = "m"
     kept: ClassVar[Kept] = "always"
 

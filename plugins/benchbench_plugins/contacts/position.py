@@ -22,7 +22,7 @@ class Position(Contact):
 
     noun: ClassVar[str] = "distance"
     aside: ClassVar[str] = "apart"
-    limit: float = Field(0.02, gt=0)
+    limit: float = Field(0.02, gt=0, allow_inf_nan=False)
     unit: ClassVar[str] = "m"
 
     @property

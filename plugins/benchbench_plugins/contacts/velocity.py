@@ -22,7 +22,7 @@ class Velocity(Contact):
 
     noun: ClassVar[str] = "relative speed"
     aside: ClassVar[str] = "relative"
-    limit: float = Field(0.01, gt=0)
+    limit: float = Field(0.01, gt=0, allow_inf_nan=False)
     unit: ClassVar[str] = "m/s"
 
     @property

@@ -154,7 +154,12 @@ class FrontSweeper(ChoiceSweeper):
         self._field, self._rounds, self._target = field, rounds, target
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
-        """Keep what Hydra gives."""
+        """Keep what Hydra gives. Raises BadInput."""
+        from benchbench.ground.errors import BadInput
+
+        if type(self._rounds) is not int or self._rounds < 1:
+            problem = f"{self._rounds!r} was given"
+            raise BadInput("hydra.sweeper.rounds", problem, "a whole number of at least 1")
         super().setup(hydra_context=hydra_context, task_function=task_function, config=config)
         self._swept: Any = task_function
 
