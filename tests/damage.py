@@ -120,7 +120,7 @@ def jump_at(plan: Plan, node: int) -> Plan:
 
 def _free(plan: Plan) -> Array:
     """Nodes that are neither ends nor within two nodes of a claimed contact."""
-    near = np.convolve(plan.claims.max(axis=1) > 0, np.ones(5), "same") > 0
+    near = np.convolve(plan.progress_by_stop.max(axis=1) > 0, np.ones(5), "same") > 0
     near[[0, 1, -2, -1]] = True
     return np.flatnonzero(~near)
 

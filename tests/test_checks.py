@@ -31,8 +31,8 @@ from benchbench.ocp.model import Model
 from benchbench.ocp.scenario import Ends, Scenario, at_rest, point, straight
 from benchbench.ocp.stop import Itinerary
 from benchbench.run import config, pipeline, summary, trust
-from benchbench.storage.flight import flight_of
 from benchbench.storage.flight_csv import to_csv
+from benchbench.storage.multirotor import trajectory_of
 
 FLIGHT = ("+scenario=race", "scenario.gates=1", "scenario.nodes_per_gate=20")
 YAML = "defaults: [task, _self_]\nchecks: {test_checks.acceleration: 0.1}\n"
@@ -73,7 +73,7 @@ def test_one_function_and_one_line_of_yaml(tmp_path: Path) -> None:
     """A plan that is certified as it is, read from a file and judged by one check more."""
     done = pipeline.run(config.compose(*FLIGHT))
     assert done.certificate.certified
-    (tmp_path / "plan.csv").write_text(to_csv(flight_of(done.result.plan)))
+    (tmp_path / "plan.csv").write_text(to_csv(trajectory_of(done.result.plan)))
     (tmp_path / "certificate").mkdir()
     (tmp_path / "certificate" / "mine.yaml").write_text(YAML)
     mine = (f"hydra.searchpath=[file://{tmp_path}]", "certificate=mine")

@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from benchbench.ground.errors import BadInput
 from benchbench.ocp.plan import Plan
-from benchbench.storage.flight import Flight, flight_of, plan_of
 from benchbench.storage.flight_csv import NEEDED, read_csv, to_csv
+from benchbench.storage.multirotor import MultirotorTrajectory, plan_of, trajectory_of
 from benchbench_plugins.models.quadrotor import Quadrotor
 
 RACER = Quadrotor("racer", 0.85, (0.001, 0.001, 0.0017), 0.15, 0.05, (0.0, 6.9), (15.0, 15.0, 0.3))
@@ -29,14 +29,14 @@ def wild(n: int = 40) -> Plan:
     return Plan(time, q, v, u, np.zeros(n), "linear", c.names, c.units, i.names, i.units)
 
 
-def written(flight: Flight, path: Path) -> Path:
+def written(flight: MultirotorTrajectory, path: Path) -> Path:
     path.write_text(to_csv(flight))
     return path
 
 
 def test_the_quaternion_and_the_body_rates_are_those_of_the_motion() -> None:
     plan = wild()
-    flight, h = flight_of(plan), 1e-5
+    flight, h = trajectory_of(plan), 1e-5
     angles = plan.configuration[:, 3:6]
     turn = Rotation.from_euler("ZYX", angles[:, ::-1])
     assert np.allclose(Rotation.from_quat(flight.quaternion, scalar_first=True).as_matrix(), turn.as_matrix())
@@ -50,17 +50,17 @@ def test_the_quaternion_and_the_body_rates_are_those_of_the_motion() -> None:
 @pytest.mark.parametrize("made", [wild, lambda: crossing(table_one())], ids=["linear", "hold"])
 def test_a_plan_survives_the_file(made: Callable[[], Plan], tmp_path: Path) -> None:
     plan = made()
-    flight = read_csv(written(flight_of(plan), tmp_path / "flight.csv"))
+    flight = read_csv(written(trajectory_of(plan), tmp_path / "flight.csv"))
     found = plan_of(flight, table_one(), plan.interpolation)
     for part in ("time", "configuration", "velocity", "inputs"):
         assert np.allclose(getattr(found, part), getattr(plan, part), rtol=0.0, atol=1e-12), part
 
 
 def test_a_vehicle_in_quaternions_without_arm(tmp_path: Path) -> None:
-    flight = flight_of(wild())
-    bare = Flight(**{**vars(flight), "arm": None})
+    flight = trajectory_of(wild())
+    bare = MultirotorTrajectory(**{**vars(flight), "arm": None})
     plan = plan_of(read_csv(written(bare, tmp_path / "flight.csv")), RACER, "linear")
-    again = flight_of(plan)
+    again = trajectory_of(plan)
     assert again.arm is None and plan.velocity_names == RACER.velocity.names
     for part in ("position", "quaternion", "velocity", "body_rates", "thrusts"):
         assert np.allclose(getattr(again, part), getattr(flight, part), rtol=0.0, atol=1e-14), part
@@ -69,7 +69,7 @@ def test_a_vehicle_in_quaternions_without_arm(tmp_path: Path) -> None:
 
 
 def test_further_columns_blanks_and_their_order_do_not_matter(tmp_path: Path) -> None:
-    path = written(flight_of(wild()), tmp_path / "flight.csv")
+    path = written(trajectory_of(wild()), tmp_path / "flight.csv")
     wanted = read_csv(path)
     rows = [line.split(",") for line in path.read_text().splitlines()]
     path.write_text("\n".join(", ".join([*reversed(row), f"jerk{k}"]) for k, row in enumerate(rows)) + "\n\n")
@@ -89,7 +89,7 @@ def test_further_columns_blanks_and_their_order_do_not_matter(tmp_path: Path) ->
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_named_with_its_line(change, message: str, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
-    path = written(flight_of(wild(8)), tmp_path / "flight.csv")
+    path = written(trajectory_of(wild(8)), tmp_path / "flight.csv")
     path.write_text("\n".join(change(path.read_text().splitlines())))
     with pytest.raises(BadInput, match=message):
         read_csv(path)
@@ -105,7 +105,7 @@ def test_what_is_wrong_is_named_with_its_line(change, message: str, tmp_path: Pa
     ids=["twice", "late", "longer"],
 )  # fmt: skip
 def test_what_could_be_meant_in_two_ways_is_refused(change, message: str, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
-    path = written(flight_of(wild(8)), tmp_path / "flight.csv")
+    path = written(trajectory_of(wild(8)), tmp_path / "flight.csv")
     rows = [line.split(",") for line in path.read_text().splitlines()]
     path.write_text("\n".join(map(",".join, change(rows))))
     with pytest.raises(BadInput, match=message):
@@ -113,7 +113,7 @@ def test_what_could_be_meant_in_two_ways_is_refused(change, message: str, tmp_pa
 
 
 def test_a_mark_of_the_byte_order_is_no_part_of_a_name(tmp_path: Path) -> None:
-    path = written(flight_of(wild(8)), tmp_path / "flight.csv")
+    path = written(trajectory_of(wild(8)), tmp_path / "flight.csv")
     plain = read_csv(path)
     path.write_text(path.read_text(), encoding="utf-8-sig")
     assert np.array_equal(read_csv(path).time, plain.time)
@@ -121,7 +121,7 @@ def test_a_mark_of_the_byte_order_is_no_part_of_a_name(tmp_path: Path) -> None:
 
 def test_a_column_of_no_progress_says_that_there_is_no_contact(tmp_path: Path) -> None:
     """Without the column the file says nothing of contact, and the longest one is looked for."""
-    path = written(flight_of(wild(8)), tmp_path / "flight.csv")
+    path = written(trajectory_of(wild(8)), tmp_path / "flight.csv")
     assert np.isnan(plan_of(read_csv(path), table_one(), "linear").progress).all()
     head, *rows = path.read_text().splitlines()
     path.write_text("\n".join([f"{head},progress", *(f"{row},0.0" for row in rows)]))

@@ -18,8 +18,8 @@ from benchbench.cli.commands.certify import run
 from benchbench.ground.errors import BadInput
 from benchbench.planning.case import Case
 from benchbench.run import pipeline
-from benchbench.storage.flight import flight_of
 from benchbench.storage.flight_csv import to_csv
+from benchbench.storage.multirotor import trajectory_of
 from benchbench.storage.recording import write_mcap
 
 RACE = ("+scenario=race", "scenario.gates=1", "scenario.nodes_per_gate=20")
@@ -36,7 +36,7 @@ def test_our_plan_comes_back_with_the_same_numbers(tmp_path: Path, overrides: tu
     """Quaternions, or Euler angles with an arm: exported, read and judged again."""
     done = own(*overrides)
     file = tmp_path / "plan.csv"
-    file.write_text(to_csv(flight_of(done.result.plan)))
+    file.write_text(to_csv(trajectory_of(done.result.plan)))
     again = pipeline.run(composing.case_of(*overrides[:2], "strategy=foreign", f"strategy.file={file}"))
     for name in ("time", "configuration", "velocity", "inputs", "progress"):
         np.testing.assert_allclose(

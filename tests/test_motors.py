@@ -17,7 +17,7 @@ from benchbench.planning.motors import conventions, hint, order_of, places, reor
 from benchbench.run import config, pipeline
 from benchbench.run.summary import lines
 from benchbench.storage.attached import attached
-from benchbench.storage.flight import flight_of
+from benchbench.storage.multirotor import trajectory_of
 from benchbench.storage.plan_file import read_plan
 from benchbench.storage.ros2 import to_mcap
 from benchbench.storage.schema import make_record
@@ -84,7 +84,7 @@ def test_an_order_that_is_none_is_refused(motors: str, tmp_path: Path) -> None:
 def test_an_exported_ros_2_file_is_certified_like_its_csv(tmp_path: Path) -> None:
     (tmp_path / "plan.csv").write_text(good().csv())
     plan = read_plan(tmp_path / "plan.csv", RACE.model)
-    (tmp_path / "ros.mcap").write_bytes(to_mcap(flight_of(plan), {"config": ""}))
+    (tmp_path / "ros.mcap").write_bytes(to_mcap(trajectory_of(plan), {"config": ""}))
     again = read_plan(tmp_path / "ros.mcap", RACE.model)
     for name in ("time", "configuration", "velocity", "inputs"):
         np.testing.assert_allclose(getattr(again, name), getattr(plan, name), atol=1e-12)

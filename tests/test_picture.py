@@ -13,6 +13,7 @@ import casadi as ca
 import matplotlib as mpl
 import numpy as np
 import pytest
+import yaml
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -27,7 +28,7 @@ from benchbench.ocp.model import Coordinates, LagrangianModel, Model, Plant, box
 from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import Plan
 from benchbench.report import picture
-from benchbench.report.contact_window import contact_windows
+from benchbench.report.contact_window import CLAIM, contact_windows
 from benchbench.report.limits_panel import contact_panels, limit_panels
 from benchbench.report.style import BAD, GOOD, RC
 from benchbench.report.views import scene
@@ -176,6 +177,10 @@ def test_contact_windows(contact: list[int], windows: list[tuple[int, int]]) -> 
     progress = np.full(41, 1e-8)
     progress[contact] = 0.4
     assert contact_windows(replace(plan, progress=progress)) == windows
+
+
+def test_contact_is_drawn_where_the_certificate_sees_it() -> None:
+    assert yaml.safe_load((ROOT / "conf/certificate/task.yaml").read_text())["contact_claim"] == CLAIM
 
 
 def test_dashed_limits_and_shaded_contact_are_on_every_panel() -> None:

@@ -201,7 +201,7 @@ def test_a_recording_and_a_picture_know_all_stops(flight: Plan, tmp_path: Path) 
     write_mcap(tmp_path / "plan.mcap", plan, None, both, MODEL, {})
     found = read_mcap(tmp_path / "plan.mcap").plan
     assert found.stop_names == ("a", "b")
-    np.testing.assert_array_equal(found.claims, plan.claims)
+    np.testing.assert_array_equal(found.progress_by_stop, plan.progress_by_stop)
     drawn = scene(plan, both, MODEL, None)
     assert list(drawn.targets) == ["a", "b"] and drawn.contact_nodes == [*FIRST, *SECOND]
     ends = [k for window in (FIRST, SECOND) for k in (window[0], window[-1])]
@@ -278,7 +278,10 @@ def test_sequences_equals_brute_force(scenario: str) -> None:
         result = pose(posing.phases(case, start), case, Ledger(60.0), "brute force")
         costs[tuple(s.name for s in made)] = result.solved.outcome.objective
     best = min(costs, key=lambda names: costs[names])
-    first = {name: float(np.argmax(found.plan.claims[:, found.plan.stop_names.index(name)])) for name in best}
+    first = {
+        name: float(np.argmax(found.plan.progress_by_stop[:, found.plan.stop_names.index(name)]))
+        for name in best
+    }
     assert found.solved.outcome.objective == pytest.approx(costs[best], rel=1e-9)
     assert best != tuple(s.name for s in case.scenario.itinerary.listed)  # the obvious guess is wrong
     assert sorted(first, key=lambda name: first[name]) == list(best)
@@ -304,9 +307,9 @@ def test_a_relaxation_chooses_one_robot_whole() -> None:
     result = pose(free_contact(case, start), case, Ledger(60.0), "relaxation")
     assert result.solved.outcome.claim == "solved"
     np.testing.assert_allclose(result.solved.values[MADE].ravel(), [0, 1], atol=1e-4)
-    assert result.plan.claims[:, 0].max() < 1e-3 and result.plan.claims[:, 1].sum() == pytest.approx(
-        2, abs=1e-3
-    )
+    assert result.plan.progress_by_stop[:, 0].max() < 1e-3 and result.plan.progress_by_stop[
+        :, 1
+    ].sum() == pytest.approx(2, abs=1e-3)
 
 
 REFUSED = (

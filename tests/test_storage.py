@@ -32,6 +32,7 @@ from benchbench.ocp.plan import Plan
 from benchbench.storage import provenance, table
 from benchbench.storage.collect import collect
 from benchbench.storage.files import replacing, write_bytes, write_record
+from benchbench.storage.formats import WRITERS, format_of
 from benchbench.storage.recording import write_mcap
 from benchbench.storage.schema import COLUMNS, SCHEMA_VERSION, Status, make_record
 from benchbench_plugins.contacts.position import Position
@@ -288,51 +289,24 @@ def test_a_record_and_a_row_of_version_2_say_the_same(tmp_path: Path) -> None:
     assert dict(collected["contact_gaps"]) == found["contact_gaps"]
 
 
-def test_rebuild_from_records(tmp_path: Path) -> None:
-    for run_id in ("a", "b"):
-        write_record(tmp_path / "sweep" / run_id, make_record(run_id=run_id, reasons=["r"]))
-    (tmp_path / "old").mkdir()
-    (tmp_path / "old" / "record.json").write_text('{"run_id": "old", "schema_version": 0}')
-    table.append(make_record(run_id="orphan"), tmp_path)
-    assert table.rebuild(tmp_path) == (3, {})
-    assert table.read(tmp_path).run_id.tolist() == ["a", "b", "old"]
-
-
-def test_rebuild_reports_bad_records_and_keeps_rows(tmp_path: Path) -> None:
-    write_record(tmp_path / "a", make_record(run_id="a"))
-    write_record(tmp_path / "copy of a", make_record(run_id="a"))
-    bad = {
-        "cut": '{"run_id": "cu',
-        "list": "[1]",
-        "newer": '{"run_id": "n", "from_the_future": 1}',
-        "nameless": "{}",
-    }
-    for name, text in bad.items():
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "record.json").write_text(text)
-    table.append(make_record(run_id="row_of_cut"), tmp_path)
-    rows, problems = table.rebuild(tmp_path)
-    assert rows == 1
-    assert {path.parent.name for path in problems} == {*bad, "copy of a"}
-    assert table.read(tmp_path).run_id.tolist() == ["a", "row_of_cut"]
-
-
 def test_export(tmp_path: Path) -> None:
     table.append(make_record(run_id="a", reasons=["x | y", "z"], objective=1 / 3, certified=True), tmp_path)
     table.append(make_record(run_id="b"), tmp_path)
+    rows = collect([tmp_path]).rows
     for suffix in ("parquet", "csv", "md"):
-        table.export(tmp_path, tmp_path / "out" / f"all.{suffix}")
-    whole, text = pd.read_parquet(tmp_path / "out/all.parquet"), pd.read_csv(tmp_path / "out/all.csv")
+        path = tmp_path / f"all.{suffix}"
+        path.write_bytes(WRITERS[format_of(path)](rows))
+    whole, text = pd.read_parquet(tmp_path / "all.parquet"), pd.read_csv(tmp_path / "all.csv")
     assert list(whole.columns) == list(text.columns) == [column.name for column in COLUMNS]
     assert whole.objective[0] == text.objective[0] == 1 / 3
     assert text.reasons[0] == "x | y; z"
-    lines = (tmp_path / "out/all.md").read_text().splitlines()
+    lines = (tmp_path / "all.md").read_text().splitlines()
     assert lines[0] == "| schema_version | run_id | certified | reasons | objective |"
     assert lines[2] == f"| {SCHEMA_VERSION} | a | True | x \\| y; z | 0.333333 |" and len(lines) == 4
-    meanings = pq.read_schema(tmp_path / "out/all.parquet").field("wall_s").metadata
+    meanings = pq.read_schema(tmp_path / "all.parquet").field("wall_s").metadata
     assert meanings[b"unit"] == b"s" and meanings[b"meaning"]
     with pytest.raises(BadInput, match="csv"):
-        table.export(tmp_path, tmp_path / "all.xlsx")
+        format_of(tmp_path / "all.xlsx")
 
 
 def test_record_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
@@ -460,7 +434,7 @@ def test_cut_recording_keeps_its_messages(recording: Path, tmp_path: Path) -> No
 
 
 def test_vehicle_pose_matches_scipy() -> None:
-    from benchbench.storage.flight import vehicle_pose
+    from benchbench.storage.multirotor import vehicle_pose
 
     q = np.random.default_rng(0).normal(size=(50, 7))
     position, quaternion = vehicle_pose(vehicle().configuration.names, q)

@@ -20,7 +20,7 @@ from benchbench.storage.collect import collect
 from benchbench.storage.describe import describe
 from benchbench.storage.files import write_record
 from benchbench.storage.schema import COLUMNS, Record, make_record
-from benchbench.storage.table import append, export
+from benchbench.storage.table import append
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -126,7 +126,6 @@ def test_markdown_is_short_and_escapes(results: Path) -> None:
 
 
 def test_latex_is_an_escaped_booktabs_table(results: Path) -> None:
-    export(results, results.parent / "t.tex")
     commands.run("table", [str(results), "--columns", "run_id,reasons,travel_time_s", "--output",
                            str(results.parent / "t.tex")])  # fmt: skip
     lines = (results.parent / "t.tex").read_text().splitlines()

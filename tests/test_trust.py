@@ -129,10 +129,10 @@ def test_stored_overrides_are_data(
     said = ["+scenario=static", override.replace("CANARY", str(canary))]
     (folder / ".hydra" / "overrides.yaml").write_text(yaml.safe_dump(said))
     from benchbench.storage.files import write_record
-    from benchbench.storage.table import rebuild
+    from benchbench.storage.table import append
 
     write_record(folder, record)
-    rebuild(theirs)
+    append(record, theirs)
     assert best.run([str(theirs), "--file", str(tmp_path / "mine.yaml")]) == 0
     assert not canary.exists() and not (tmp_path / "mine.yaml").exists()
     assert "left out" in capsys.readouterr().err

@@ -100,7 +100,9 @@ def _audit(plan: Plan, flight: Replay, stop: Stop, plant: Plant, limits: Limits)
     planned = _gaps(stop, plant, plan.time, plan.configuration, plan.velocity)
     replayed = _gaps(stop, plant, flight.time, flight.configuration, flight.velocity)
     known = stop.name in plan.stop_names
-    progress = plan.claims[:, plan.stop_names.index(stop.name)] if known else np.zeros(len(plan.time))
+    progress = (
+        plan.progress_by_stop[:, plan.stop_names.index(stop.name)] if known else np.zeros(len(plan.time))
+    )
     claims = progress > limits.contact_claim
     holds = claims.copy()
     for name, contact in event_contacts(stop):
@@ -119,8 +121,8 @@ def claimed(plan: Plan, itinerary: Itinerary, plant: Plant, limits: Limits) -> P
     """
     if not np.isnan(plan.progress).all():
         return plan
-    claims = np.zeros((len(plan.time), len(itinerary.stops)))
-    for column, stop in zip(claims.T, itinerary.stops, strict=True):
+    progress = np.zeros((len(plan.time), len(itinerary.stops)))
+    for column, stop in zip(progress.T, itinerary.stops, strict=True):
         if not any(True for _ in event_contacts(stop)):
             continue
         gaps = _gaps(stop, plant, plan.time, plan.configuration, plan.velocity)
@@ -129,7 +131,7 @@ def claimed(plan: Plan, itinerary: Itinerary, plant: Plant, limits: Limits) -> P
             holds &= gaps[name] <= contact.limit + limits.node
         if window := longest_run(holds):
             column[window[0] : window[1] + 1] = 1.0
-    return replace(plan, progress=claims, stop_names=tuple(stop.name for stop in itinerary.stops))
+    return replace(plan, progress=progress, stop_names=tuple(stop.name for stop in itinerary.stops))
 
 
 def event_contacts(stop: Stop) -> Iterator[tuple[str, Contact]]:

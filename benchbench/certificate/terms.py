@@ -46,8 +46,8 @@ def objective(evidence: Evidence) -> Checks:
     plan, stops = evidence.plan, scenario.itinerary.stops
     made = {
         name
-        for name, claims in zip(plan.stop_names, plan.claims.T, strict=True)
-        if claims.max() > limits.contact_claim
+        for name, progress in zip(plan.stop_names, plan.progress_by_stop.T, strict=True)
+        if progress.max() > limits.contact_claim
     }
     reward = sum(stop.reward or 0.0 for stop in stops if stop.name in made)
     found = plan.travel_time + effort(evidence) + sum(spent(evidence).values()) - reward

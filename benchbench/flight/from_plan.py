@@ -16,7 +16,7 @@ from benchbench.ocp.airframe import Airframe, airframe_of
 from benchbench.ocp.model import Model
 from benchbench.ocp.motion import sample
 from benchbench.ocp.plan import Plan
-from benchbench.storage.flight import flight_of
+from benchbench.storage.multirotor import trajectory_of
 
 LEAD, TAIL = 2.0, 1.5
 """s of hovering before the plan, in which an observer settles, and after it, in which the ball must stay."""
@@ -34,7 +34,7 @@ def reference_of(plan: Plan, replay: Replay, model: Model, errand: Errand) -> Re
     dense = replace(
         plan, time=time, configuration=q, velocity=v, inputs=u, interpolation="linear", progress=np.zeros(len(time))
     )  # fmt: skip
-    flight = flight_of(dense)
+    flight = trajectory_of(dense)
     arm = np.zeros((len(time), 3)) if flight.arm is None else flight.arm
     state = np.hstack(
         [flight.position, flight.quaternion, arm[:, :1], flight.velocity, flight.body_rates, arm[:, 1:2]]

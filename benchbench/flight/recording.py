@@ -15,7 +15,7 @@ from benchbench.ocp.airframe import airframe_of
 from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
-from benchbench.storage.flight import Flight, continuous, plan_of
+from benchbench.storage.multirotor import MultirotorTrajectory, continuous, plan_of
 from benchbench.storage.recording import METRES, XYZ, Series, write_series
 
 STATE = ("x", "y", "z", "qw", "qx", "qy", "qz", "arm", "vx", "vy", "vz", "wx", "wy", "wz", "arm_rate")
@@ -43,7 +43,7 @@ def write_flight(
 def _flown(log: Log, kept: Index, model: Model) -> Plan:
     """The truth as a plan, which is what viewers are given to draw; its time begins at 0."""
     state = log.state[kept]
-    flight = Flight(
+    flight = MultirotorTrajectory(
         time=log.time[kept] - log.time[kept[0]], position=state[:, :3], quaternion=continuous(state[:, 3:7]),
         velocity=state[:, 8:11], body_rates=state[:, 11:14], thrusts=log.motors[kept],
         arm=np.stack([state[:, 7], state[:, 14], np.zeros(len(kept))], axis=-1),

@@ -13,7 +13,7 @@ from benchbench.ocp.motion import Motion
 from benchbench.ocp.plan import Plan
 from benchbench.planning.case import Case
 from benchbench.planning.replan import Replan, Replanner
-from benchbench.storage.flight import Flight, continuous, flight_of, plan_of
+from benchbench.storage.multirotor import MultirotorTrajectory, continuous, plan_of, trajectory_of
 
 INTERVALS = 50
 """N of a plan in the loop: half of what is planned with before."""
@@ -66,7 +66,7 @@ class Replanning:
 
     def _way(self, found: Replan) -> Way:
         plan = found.plan
-        nodes = flight_of(plan)
+        nodes = trajectory_of(plan)
         time: Array = STEP * np.arange(round(plan.travel_time / STEP) + 1, dtype=float)
         dense = between(nodes, time, plan.input_at(np.minimum(time, plan.travel_time)))
         own = plan_of(dense, self.model, "linear")
@@ -81,7 +81,7 @@ class Replanning:
         )  # fmt: skip
 
 
-def between(nodes: Flight, time: Array, inputs: Array) -> Flight:
+def between(nodes: MultirotorTrajectory, time: Array, inputs: Array) -> MultirotorTrajectory:
     """Return a flight (n) at other times (m,) s: cubic Hermite through the nodes' places and speeds; inputs (m, 5) as they are."""
     from scipy.interpolate import CubicHermiteSpline
 
@@ -97,7 +97,7 @@ def between(nodes: Flight, time: Array, inputs: Array) -> Flight:
     spline = CubicHermiteSpline(nodes.time, places, speeds)
     place, speed = spline(at), spline(at, 1)
     q = place[:, 3:7] / np.linalg.norm(place[:, 3:7], axis=1, keepdims=True)
-    return Flight(
+    return MultirotorTrajectory(
         time=time, position=place[:, :3], quaternion=continuous(q), velocity=speed[:, :3], body_rates=_rates(q, speed[:, 3:7]),
         thrusts=inputs[:, :4], arm=np.stack([place[:, 7], speed[:, 7], inputs[:, 4]], axis=-1),
     )  # fmt: skip

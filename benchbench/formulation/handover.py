@@ -158,7 +158,7 @@ def nearest_window(plan: Plan, trajectory: Trajectory, count: int, stop: str = "
 
     stop: whose contact, by name; the plan's first one if not given.
     """
-    progress = plan.claims[:, plan.stop_names.index(stop) if stop else 0]
+    progress = plan.progress_by_stop[:, plan.stop_names.index(stop) if stop else 0]
     claimed = plan.time[progress > 0.5 * progress.max()]
     middle = (claimed[0] + claimed[-1]) / 2
     time = trajectory.grid.time_weights @ trajectory.encode(plan)["T"].ravel()
@@ -187,7 +187,7 @@ def claimed_stops(itinerary: Itinerary, plan: Plan) -> tuple[Stop, ...]:
 
 
 def _claims(plan: Plan, stop: str) -> Array:
-    return plan.claims[:, plan.stop_names.index(stop)]
+    return plan.progress_by_stop[:, plan.stop_names.index(stop)]
 
 
 def _kappa(start: Plan, trajectory: Trajectory, stop: Stop) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from typing import ClassVar
 
 import casadi as ca
@@ -29,6 +28,3 @@ class Cost(ABC):
     @abstractmethod
     def spent(self, plant: Plant, q: Array, v: Array, u: Array) -> Array:
         """Return the same (n,) for q (n, n_q), v (n, n_v), u (n, n_u)."""
-
-
-Costs = Mapping[str, Cost]

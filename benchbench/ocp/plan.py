@@ -101,7 +101,7 @@ class Plan:
         return len(self.time) - 1
 
     @property
-    def claims(self) -> Array:
+    def progress_by_stop(self) -> Array:
         """Progress index of each node for each stop, (N + 1, stops), also where there is one stop."""
         return self.progress.reshape(len(self.time), -1)
 
@@ -115,7 +115,7 @@ class Plan:
 
         None where the plan claims none.
         """
-        claimed = np.flatnonzero(self.claims[:, stop] > 0.5)
+        claimed = np.flatnonzero(self.progress_by_stop[:, stop] > 0.5)
         if not len(claimed):
             return None
         gaps = np.flatnonzero(np.diff(claimed) > 1)
@@ -124,7 +124,7 @@ class Plan:
     @property
     def contacts(self) -> tuple[tuple[int, int], ...]:
         """The first claimed contact with each stop, in order of time; stops without one are left out."""
-        found = (self.contact(stop) for stop in range(self.claims.shape[1]))
+        found = (self.contact(stop) for stop in range(self.progress_by_stop.shape[1]))
         return tuple(sorted(one for one in found if one is not None))
 
     @property
@@ -174,7 +174,7 @@ class Plan:
             "s", *self.coordinate_units, *self.velocity_units, *self.input_units * points, *["1"] * len(self.stop_names)
         ]  # fmt: skip
         flat = inputs.reshape(len(self.time), -1)
-        values = np.column_stack([self.time, self.configuration, self.velocity, flat, self.claims])
+        values = np.column_stack([self.time, self.configuration, self.velocity, flat, self.progress_by_stop])
         frame = pd.DataFrame(values, columns=names).rename_axis(NODE)
         frame.attrs["units"] = dict(zip(names, units, strict=True))
         return frame

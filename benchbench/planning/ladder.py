@@ -74,10 +74,11 @@ def rung(
     name = stage or f"N = {problem.trajectory.grid.intervals}"
     if below is None:
         return pose(problem, case, ledger, name)
-    for price in (PRICE, NEARER * PRICE) if correct else (0.0,):
-        found = _warm(problem, case, ledger, below, price, name)
-        if found.claimed or ledger.over:
-            return found
+    found = _warm(problem, case, ledger, below, PRICE if correct else 0.0, name)
+    if correct and not found.claimed and not ledger.over:
+        found = _warm(problem, case, ledger, below, NEARER * PRICE, name)
+    if found.claimed or ledger.over:
+        return found
     return pose(found.problem, case, ledger, f"{name}, again")
 
 

@@ -21,8 +21,8 @@ from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
 from benchbench.planning.motors import order_of, reordered
-from benchbench.storage.flight import plan_of
 from benchbench.storage.flight_csv import read_csv
+from benchbench.storage.multirotor import plan_of
 
 LOG = "peer.log"
 

@@ -17,9 +17,9 @@ def contact_windows(plan: Plan) -> list[tuple[int, int]]:
 
 
 def stop_windows(plan: Plan) -> list[tuple[int, int, int]]:
-    """Column in `plan.claims` of the stop, first and last node of every such stretch, in order of time."""
+    """Column in `plan.progress_by_stop` of the stop, first and last node of every such stretch, in order of time."""
     found = []
-    for stop, progress in enumerate(plan.claims.T):
+    for stop, progress in enumerate(plan.progress_by_stop.T):
         claimed = np.concatenate([[False], progress > CLAIM, [False]])
         edges = np.flatnonzero(np.diff(claimed.astype(int)))
         found += [(stop, int(first), int(after) - 1) for first, after in edges.reshape(-1, 2)]

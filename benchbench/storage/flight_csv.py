@@ -15,8 +15,8 @@ import numpy as np
 
 from benchbench.ground.arrays import Array
 from benchbench.ground.errors import BadInput
-from benchbench.storage.flight import Flight, continuous
 from benchbench.storage.lines import check_start, read_lines
+from benchbench.storage.multirotor import MultirotorTrajectory, continuous
 
 QUATERNION_ERROR = 1e-3
 """How far from 1 the length of a quaternion in a file may be, which writes perhaps four digits."""
@@ -24,7 +24,7 @@ QUATERNION_ERROR = 1e-3
 
 @dataclass(frozen=True)
 class Group:
-    """Columns that belong together: the field of `Flight` they hold, their unit and meaning."""
+    """Columns that belong together: the field of `MultirotorTrajectory` they hold, their unit and meaning."""
 
     field: str
     names: tuple[str, ...]
@@ -45,7 +45,7 @@ GROUPS = (
 NEEDED = tuple(name for group in GROUPS for name in group.names if group.field not in ("arm", "progress"))
 
 
-def to_csv(flight: Flight) -> str:
+def to_csv(flight: MultirotorTrajectory) -> str:
     """Return the flight as CSV with a header, at full precision."""
     groups = [group for group in GROUPS if getattr(flight, group.field) is not None]
     values = np.column_stack([getattr(flight, group.field) for group in groups])
@@ -56,12 +56,12 @@ def to_csv(flight: Flight) -> str:
     return text.getvalue()
 
 
-def read_csv(path: Path) -> Flight:
+def read_csv(path: Path) -> MultirotorTrajectory:
     """Read a flight from a file with these columns in any order. Raises BadInput naming what is wrong where."""
     return flight_of_lines(read_lines(path), str(path))
 
 
-def flight_of_lines(lines: list[list[str]], path: str) -> Flight:
+def flight_of_lines(lines: list[list[str]], path: str) -> MultirotorTrajectory:
     """Return the flight that header and rows say; path: what messages call the file. Raises BadInput as `read_csv` does."""
     columns = _read(lines, path)
     missing = [name for name in NEEDED if name not in columns]
@@ -82,7 +82,7 @@ def flight_of_lines(lines: list[list[str]], path: str) -> Flight:
         row = int(np.argmax(np.abs(length - 1.0))) + 2
         raise BadInput(f"{path}, line {row}: q_w ... q_z", "has not the length 1", "a unit quaternion")
     parts["quaternion"] = continuous(parts["quaternion"] / length[:, None])
-    return Flight(**parts)
+    return MultirotorTrajectory(**parts)
 
 
 def _read(lines: list[list[str]], path: str) -> dict[str, Array]:

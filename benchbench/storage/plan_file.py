@@ -11,9 +11,9 @@ from benchbench.ocp.model import Model
 from benchbench.ocp.plan import Interpolation, Plan
 from benchbench.ocp.reading import plain_yaml
 from benchbench.storage.attached import attached
-from benchbench.storage.flight import plan_of
 from benchbench.storage.flight_csv import flight_of_lines, read_csv
 from benchbench.storage.lines import lines_of, read_lines
+from benchbench.storage.multirotor import plan_of
 from benchbench.storage.playback import read_mcap
 
 

@@ -115,7 +115,7 @@ def plan_series(plan: Plan, scenario: Scenario, model: Model) -> Iterator[Series
     yield Series("/plan/velocity", plan.time, plan.velocity_names, plan.velocity_units, plan.velocity)
     yield Series("/plan/inputs", plan.input_times, plan.input_names, plan.input_units, plan.inputs)
     names = [EPSILON if plan.stop_names == ONLY else f"{EPSILON}_{name}" for name in plan.stop_names]
-    yield Series("/plan/progress", plan.time, names, ["1"] * len(names), plan.claims)
+    yield Series("/plan/progress", plan.time, names, ["1"] * len(names), plan.progress_by_stop)
     yield Series("/plan/end_effector", plan.time, XYZ, METRES, tool)
     for stop in scenario.itinerary.stops:
         target, _ = sample(stop.target, plan.time)

@@ -18,15 +18,15 @@ from benchbench.ground.arrays import Array
 from benchbench.ground.errors import Unavailable
 from benchbench.storage.attached import KIND, NAME
 from benchbench.storage.entry import nanoseconds
-from benchbench.storage.flight import Flight
 from benchbench.storage.flight_csv import to_csv
+from benchbench.storage.multirotor import MultirotorTrajectory
 
 WORLD, BODY, ARM = "world", "base_link", "arm"
 BODY_TOPIC, ARM_TOPIC = "/body_trajectory", "/arm_trajectory"
 MESSAGES = "trajectory_msgs/msg/"
 
 
-def to_mcap(flight: Flight, metadata: Mapping[str, str]) -> bytes:
+def to_mcap(flight: MultirotorTrajectory, metadata: Mapping[str, str]) -> bytes:
     """Return an MCAP file of profile ros2 with one message for the body and one for the arm, if there is one.
 
     `metadata` becomes the metadata record "benchbench". Raises Unavailable where rosbags or mcap is missing.
@@ -52,7 +52,7 @@ def to_mcap(flight: Flight, metadata: Mapping[str, str]) -> bytes:
     return out.getvalue()
 
 
-def _messages(types: Mapping[str, Any], flight: Flight) -> dict[str, Any]:
+def _messages(types: Mapping[str, Any], flight: MultirotorTrajectory) -> dict[str, Any]:
     """The messages by topic; `types` are the classes of ROS 2's messages by name."""
     header = types["std_msgs/msg/Header"](types["builtin_interfaces/msg/Time"](0, 0), WORLD)
     since = [
@@ -71,7 +71,7 @@ def _messages(types: Mapping[str, Any], flight: Flight) -> dict[str, Any]:
     return found
 
 
-def _body_point(types: Mapping[str, Any], flight: Flight, k: int, time: Any) -> Any:
+def _body_point(types: Mapping[str, Any], flight: MultirotorTrajectory, k: int, time: Any) -> Any:
     def vector(values: Array) -> Any:
         return types["geometry_msgs/msg/Vector3"](*map(float, values))
 

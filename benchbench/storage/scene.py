@@ -35,7 +35,7 @@ from benchbench.ocp.race import Race
 from benchbench.ocp.scenario import Scenario
 from benchbench.ocp.touching import TouchingModel
 from benchbench.storage.entry import LogEntry, nanoseconds
-from benchbench.storage.flight import vehicle_pose
+from benchbench.storage.multirotor import vehicle_pose
 
 if TYPE_CHECKING:
     from benchbench.ocp.model import Model

@@ -1,7 +1,8 @@
 """The table: one row per run, as a folder of small Parquet files that any tool can open as one dataset.
 
 Every run writes its own file, so concurrent runs never touch each other's rows and a killed run leaves
-the earlier rows intact. `record.json` in each run's folder is the source; the table can be rebuilt from it.
+the earlier rows intact. `record.json` in each run's folder is the source; who reads runs takes it, and rows only of runs without
+one (`benchbench.storage.collect`).
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
-from benchbench.storage.files import RECORD, write_bytes
+from benchbench.storage.files import write_bytes
 from benchbench.storage.row_file import SCHEMA, read_rows, row_bytes
 from benchbench.storage.schema import Record, make_record
 from benchbench.storage.upgrade import upgraded
@@ -83,37 +84,6 @@ def table_of(rows: Iterable[Mapping[str, Any]]) -> pa.Table:
     while some := list(islice(left, BATCH)):
         parts.append(pa.Table.from_pylist(some, SCHEMA))
     return pa.concat_tables(parts)
-
-
-def rebuild(root: Path) -> tuple[int, dict[Path, str]]:
-    """Make the table again from all `record.json` below `root`.
-
-    Returns the number of rows and, for each record that could not be used, the reason. Rows without a
-    record are removed, but only if every record could be used.
-    """
-    earlier = set(folder(root).glob("*.parquet"))
-    made: dict[Path, Path] = {}
-    problems: dict[Path, str] = {}
-    for source in sorted(root.rglob(RECORD)):
-        try:
-            path = append(load_record(source), root)
-        except (OSError, ValueError, TypeError) as error:
-            problems[source] = f"{type(error).__name__}: {error}"
-            continue
-        if path in made:
-            problems[source] = f"same run_id as {made[path]}, whose row it replaced"
-        made[path] = source
-    if not problems:
-        for orphan in earlier - made.keys():
-            orphan.unlink(missing_ok=True)
-    return len(made), problems
-
-
-def export(root: Path, path: Path) -> None:
-    """Write the whole table to one .parquet, .csv, .md or .tex file; raises BadInput for another suffix."""
-    from benchbench.storage.formats import WRITERS, format_of  # pandas writes some of them
-
-    write_bytes(path, WRITERS[format_of(path)](_load(root)))
 
 
 def folder(root: Path) -> Path:

@@ -20,7 +20,7 @@ def run(arguments: Sequence[str]) -> int:
     """Write the file and say what is in it; raises BadInput."""
     from benchbench.storage import flight_csv, ros2
     from benchbench.storage.files import write_bytes
-    from benchbench.storage.flight import flight_of
+    from benchbench.storage.multirotor import trajectory_of
     from benchbench.storage.playback import read_mcap
 
     asked = parser().parse_args(arguments)
@@ -36,7 +36,7 @@ def run(arguments: Sequence[str]) -> int:
         raise BadInput(
             str(path), f"is no plan that can be read: {error}", "a plan.mcap that a run wrote"
         ) from None
-    flight = flight_of(recording.plan)
+    flight = trajectory_of(recording.plan)
     if kind == "csv":
         data = flight_csv.to_csv(flight).encode()
     else:

@@ -45,7 +45,7 @@ def check_plan(guessed: Guessed) -> None:
         require(plan.time[0] == 0 and bool(np.all(np.diff(plan.time) > 0)), "time does not increase from 0")
         low, high = case.scenario.travel_time
         require(low <= plan.travel_time <= high, f"travel time {plan.travel_time} s is not allowed")
-        require(bool(np.all(plan.claims.sum(axis=0) > 0)), "makes no progress at a stop")
+        require(bool(np.all(plan.progress_by_stop.sum(axis=0) > 0)), "makes no progress at a stop")
         for first, last in plan.contacts:
             require(first > 0 and last < plan.intervals, "contact at an end")
 
@@ -88,5 +88,5 @@ CHECKS = (check_plan, check_limits, check_seeds)
 
 def _contact(plan: Plan) -> float:
     """Mean time of the progress that is made, s."""
-    weights: Array = plan.claims.sum(axis=1)
+    weights: Array = plan.progress_by_stop.sum(axis=1)
     return float(plan.time @ weights / weights.sum())

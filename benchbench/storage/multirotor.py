@@ -24,7 +24,7 @@ STEEP = 1 - 1e-9
 
 
 @dataclass(frozen=True)
-class Flight:
+class MultirotorTrajectory:
     """States and inputs at n times; motors are numbered as the vehicle's inputs.
 
     time         (n,) s
@@ -47,7 +47,7 @@ class Flight:
     progress: Array | None = None
 
 
-def flight_of(plan: Plan) -> Flight:
+def trajectory_of(plan: Plan) -> MultirotorTrajectory:
     """Read a plan by the names of its columns. Raises BadInput for a vehicle that is not of this kind."""
     q, v = (
         dict(zip(names, values.T, strict=True))
@@ -65,13 +65,13 @@ def flight_of(plan: Plan) -> Flight:
     rates = _columns(v, RATES) if "wx" in v else body_rates(_columns(q, ANGLES), _columns(v, ANGLES))
     arm = np.stack([q[ARM], v[ARM], u[SERVO]], axis=-1) if ARM in q and SERVO in u else None
     progress = plan.progress if plan.progress.ndim == 1 and np.any(plan.progress > 0) else None
-    return Flight(
+    return MultirotorTrajectory(
         time=plan.time, position=position, quaternion=continuous(scalar_first), velocity=_columns(v, speeds),
         body_rates=rates, thrusts=_columns(u, MOTORS), arm=arm, progress=progress,
     )  # fmt: skip
 
 
-def plan_of(flight: Flight, model: Model, interpolation: Interpolation) -> Plan:
+def plan_of(flight: MultirotorTrajectory, model: Model, interpolation: Interpolation) -> Plan:
     """Return the flight as a plan of a model; "hold" leaves out the last row of inputs, "linear" keeps it.
 
     Raises BadInput for a model with coordinates or inputs that a flight does not know, or with Euler angles for an
@@ -142,7 +142,7 @@ def euler_rates(angles: Array, omega: Array) -> Array:
     return np.asarray(np.linalg.solve(_euler_rate_matrices(angles), omega[..., None])[..., 0])
 
 
-def _angles(flight: Flight) -> Array:
+def _angles(flight: MultirotorTrajectory) -> Array:
     """Roll, pitch, yaw (n, 3) without jumps of a turn."""
     from scipy.spatial.transform import Rotation  # a quarter of a second, which a recording need not take
 
