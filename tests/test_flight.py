@@ -12,6 +12,7 @@ import pytest
 
 from benchbench.analysis.binomial import exact_bound
 from benchbench.certificate.replay import replay
+from benchbench.cli.report_content import truth as truth_of
 from benchbench.flight.campaign import Campaign
 from benchbench.flight.columns import columns, table
 from benchbench.flight.controller import PERIOD, Controller, Known
@@ -34,6 +35,8 @@ from benchbench.ocp.airframe import FlownModel
 from benchbench.ocp.motion import Motion
 from benchbench.planning.case import Case
 from benchbench.report.flights import flights_figure
+from benchbench.report.html.plans.view import view
+from benchbench.report.views import scene
 from benchbench.run import config, pipeline
 from benchbench.run.filming import film_flight
 from benchbench.run.flying import campaign
@@ -417,6 +420,25 @@ def test_a_flight_is_recorded(flown: pipeline.Run, tmp_path: Path) -> None:
     assert next(c["time"] for c in contact if c["attached"]) == pytest.approx(
         one.verdict.attached_s, abs=0.021
     )
+    told = truth_of(tmp_path)
+    assert told is not None
+    _on_the_page(flown, told)
+
+
+def _on_the_page(flown: pipeline.Run, told: Array) -> None:
+    """The truth of the flight stands beside its plan, at the slider's time."""
+    assert isinstance(flown.case, Case) and flown.result.plan is not None and flown.flights is not None
+    plan, log = flown.result.plan, flown.flights.flown[0].log
+    shown = view(scene(plan, flown.case.scenario, flown.case.model, None, told))
+    assert "end effector, in flight" in {trace.name for trace in shown.data}
+    frame = shown.frames[len(shown.frames) // 2]
+    tool, ball = frame.data[-2:]
+    row = int(np.argmin(np.abs(log.time - float(frame.name))))
+    airframe = flown.case.model.airframe if isinstance(flown.case.model, FlownModel) else None
+    assert airframe is not None
+    place, _ = tip(log.state[[row]], airframe.arm_offset, airframe.arm_length)
+    assert [tool.x[0], tool.y[0], tool.z[0]] == pytest.approx(place[0], abs=0.01)  # a step of 20 ms
+    assert [ball.x[0], ball.y[0], ball.z[0]] == pytest.approx(log.ball[row, :3], abs=0.01)
 
 
 def test_a_recorded_flight_is_filmed(flown: pipeline.Run, tmp_path: Path) -> None:

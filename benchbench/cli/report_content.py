@@ -149,7 +149,7 @@ def plan_view(record: Record, title: str, folder: Path | None) -> PlanView:
     scenario, model = scene_parts(tree)
     plan, flight = recording.plan, recording.flight
     windows = [(float(plan.time[a]), float(plan.time[b])) for a, b in contact_windows(plan)]
-    shown = scene(plan, scenario, model, flight, _truth(folder))
+    shown = scene(plan, scenario, model, flight, truth(folder))
     return PlanView(
         run_id=str(record["run_id"]),
         title=title,
@@ -168,7 +168,7 @@ def plan_view(record: Record, title: str, folder: Path | None) -> PlanView:
     )
 
 
-def _truth(folder: Path | None) -> Array | None:
+def truth(folder: Path | None) -> Array | None:
     """What happened in the flight that was recorded beside the plan; None where there is none, or it cannot be read."""
     path = Path(folder or "", FLIGHT)
     with suppress(BadInput):
@@ -191,4 +191,6 @@ def _facts(record: Record) -> dict[str, str]:
         if record[column] is not None
     }
     said = {"in contact": record["contact_gaps_said"], "limits used": record["limits_used_said"]}
+    if record["flights"]:
+        numbers["flights that succeed"] = f"{record['flights_succeeded']} of {record['flights']}"
     return numbers | {name: ", ".join(texts) for name, texts in said.items() if texts}

@@ -146,7 +146,9 @@ def _in_flight(scene: Scene, node: int) -> list[go.Scatter3d]:
     ]
     tool, ball = np.reshape(now, (2, 3))
     return [
-        _dot(tool, CURVES[4], "circle", "end effector, in flight"),
+        _dot(tool, CURVES[4], "circle", "end effector, in flight").update(
+            showlegend=False
+        ),  # its path has it
         _dot(ball, TARGET, "circle", "ball's centre, in flight"),
     ]
 
