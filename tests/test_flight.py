@@ -188,6 +188,30 @@ def test_a_predicted_target_is_met(flown: pipeline.Run, reference: Reference) ->
     flights_figure(short, found, frame(flown).airframe, flights.limits, "").canvas.draw()
 
 
+def test_a_controller_knows_the_target_as_it_was_predicted(flown: pipeline.Run) -> None:
+    """A predictor that thinks the target is 15 mm higher: so does the controller, while the judge keeps the truth."""
+
+    class High(Predictor):
+        def predict(self, seen: Seen) -> Motion:
+            return ConstantTurn().predict(replace(seen, position=seen.position + np.array([0.0, 0.0, 0.015])))
+
+    told: list[Reference] = []
+
+    class Listening(Controller):
+        def prepare(self, known: Known, correction: Correction, weighing: Weighing) -> Control:
+            told.append(known.reference)
+            return inner.prepare(known, correction, weighing)
+
+    case, flights = asked("mismatch=none", "flights=1")
+    inner, plan = flights.controller, flown.certificate.flight
+    assert plan is not None
+    believing = replace(flights, predictor=High(), controller=Listening())
+    one, last = believing.fly(flown.result.plan, plan, case)[1][0].reference, told[-1]
+    assert len(told) > 10
+    higher = (last.target - one.target)[last.row(0.5) :, 2]
+    np.testing.assert_allclose(higher, 0.015, atol=1e-3)
+
+
 def test_a_predictor_that_raises_costs_one_flight(flown: pipeline.Run) -> None:
     class Raises(Predictor):
         def predict(self, seen: Seen) -> Motion:

@@ -15,6 +15,7 @@ from benchbench.flight.reference import Reference, tip
 from benchbench.flight.residual import Recorder, Residual, Sample
 from benchbench.flight.training import training_reference
 from benchbench.ground.arrays import Array
+from benchbench_plugins.controllers.centred import aside
 from benchbench_plugins.controllers.nmpc import Nmpc
 from benchbench_plugins.controllers.nmpc_ipopt import NmpcIpopt
 from benchbench_plugins.controllers.prediction import Prediction
@@ -71,6 +72,44 @@ def test_levers_turn_body_rates_into_the_end_effectors_velocity() -> None:
         wanted = (speed[1:] - speed[0]).T if row <= 100 else np.zeros((3, 3))
         np.testing.assert_allclose(table.lever[table.row(0.0) + row], wanted, atol=1e-12)
     assert not tables(wandering(), frame, 0.05).lever.any()
+
+
+def descending(deepest: float) -> Reference:
+    """A wandering whose ball comes nearer from below at 0.1 m/s until the clearance is `deepest` at 1 s, then stays; window until 1.5 s."""
+    way, frame = wandering(), vehicle().airframe
+    place, speed = tip(way.state, frame.arm_offset, frame.arm_length)
+    clear = np.maximum(deepest + 0.1 * (1.0 - way.time), deepest)
+    place[:, 2] -= clear
+    speed[:, 2] += np.where(way.time < 1.0, 0.1, 0.0)
+    return replace(way, target=np.hstack([place, speed]), window=(1.0, 1.5))
+
+
+def test_a_plan_is_followed_aside_of_the_ball_by_half_of_the_room() -> None:
+    """From the reach until the planned contact begins; the room is the depth but for 40 ms of the way in."""
+    frame, ball = vehicle().airframe, descending(0.01)
+    place, speed = aside(ball, frame, 0.5)
+    between = (ball.time >= 1.0 - (ball.reach - 0.01) / 0.1 + ball.step) & (ball.time <= 1.0)
+    np.testing.assert_allclose(place[between] - [0, 0, (ball.reach - 0.01 - 0.004) / 2], 0.0, atol=1e-9)
+    assert not place[ball.time > 1.51].any() and not place[ball.time < 0.3].any()
+    np.testing.assert_allclose(np.cumsum(speed, axis=0) * ball.step, place, atol=1e-4)
+    for nothing in (
+        aside(descending(ball.reach - 0.003), frame, 0.5),
+        aside(wandering(), frame, 0.5),
+        aside(ball, frame, 0.0),
+    ):
+        assert not nothing[0].any() and not nothing[1].any()
+
+
+def test_where_it_is_led_aside_the_vehicle_goes() -> None:
+    """What is followed is the reference and what is added to it: the inputs stay those of the reference."""
+    ball = descending(0.01)
+    led, plain = (flown(Nmpc(aside=share), 150, ball) for share in (0.5, 0.0))
+    when = ball.time[0] + 0.02 * np.arange(1, 151)
+    place = np.stack(
+        [np.interp(when, ball.time, c) for c in aside(ball, vehicle().airframe, 0.5)[0].T], axis=-1
+    )
+    late = when > 0.5
+    assert np.abs((led - plain - place)[late]).max() < 1.5e-3 < np.abs(place).max() / 2
 
 
 def test_the_model_is_the_papers() -> None:

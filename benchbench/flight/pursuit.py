@@ -42,7 +42,7 @@ class Pursuit:
         """Hover at the start until the first plan begins, at 0 s; prepare: a controller for a reference, from who flew before."""
         self.replanning, self.predictor, self.sight = replanning, predictor, sight
         self.waiting, self.airframe, self.prepare = waiting, airframe, prepare
-        self._reference, self._step = waiting, prepare(waiting, None)
+        self._reference, self._believed, self._step = waiting, waiting, prepare(waiting, None)
         self.ask, self.entry = -AHEAD, np.inf
         self.way: Way | None = None
         self.begun, self.coming = 0.0, np.inf
@@ -51,13 +51,13 @@ class Pursuit:
 
     @property
     def reference(self) -> Reference:
-        """What was followed until now, and is from now on."""
+        """What was followed until now, and is from now on, with the true target: the judge's."""
         return self._reference
 
     def control(self, now: float) -> Control:
         """Plan where it is time to, and take over what was planned before."""
         if now >= self.coming - 1e-9:
-            self.coming, self._step = np.inf, self.prepare(self._reference, self._step)
+            self.coming, self._step = np.inf, self.prepare(self._believed, self._step)
         if now >= self.ask - 1e-9 and now + AHEAD < self.entry - LAST:
             self.ask += PERIOD
             self._plan(now, now + AHEAD)
@@ -76,6 +76,7 @@ class Pursuit:
         self.way, self.begun, self.coming = way, begin, begin
         self.entry = begin + self._entry(way, target)
         self._reference = joined(self._reference, self.waiting.target, begin, way, self.airframe)
+        self._believed = foreseen(self._reference, self._believed, target, begin)
 
     def _entry(self, way: Way, target: Motion) -> float:
         """When the plan comes within reach of what was predicted, s from its beginning; at the latest with the contact."""
@@ -96,6 +97,13 @@ def hovering(reference: Reference, target: Motion, late: float, airframe: Airfra
         inputs=np.tile(hover(airframe, float(start[7])), (count, 1)),
         target=np.hstack(sample(target, time - late)), travel_time=float(time[-1]) - TAIL,
     )  # fmt: skip
+
+
+def foreseen(reference: Reference, before: Reference, target: Motion, begin: float) -> Reference:
+    """The same with the target as it is predicted from `begin` s on, before that as it was before: what a controller may know."""
+    row = reference.row(begin)
+    ahead = np.hstack(sample(target, reference.time[row:] - begin))
+    return replace(reference, target=np.vstack([before.target[:row], ahead]))
 
 
 def joined(old: Reference, target: Array, begin: float, way: Way, airframe: Airframe) -> Reference:

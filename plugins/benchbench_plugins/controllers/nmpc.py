@@ -15,6 +15,7 @@ from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
 from benchbench.ground.arrays import Array
 from benchbench.ocp.scenario import NonNegative, Positive
+from benchbench.ocp.task_family import Chance
 from benchbench_plugins.controllers.condensed import Condensed, Weights
 from benchbench_plugins.controllers.prediction import Prediction
 from benchbench_plugins.controllers.receding import Horizon, Stages, receding
@@ -31,6 +32,7 @@ class Nmpc(Controller):
     latency                s from a command until it works, of motors and rate loop (a guess, whatever the world)
     lead                   s by which thrust and torques of the reference are told early
     rate_limit             rad/s, largest body rates that are asked for
+    aside                  share of the room between the edge and the depth of the magnet's reach by which the vehicle keeps from the ball
     soft_speed             share by which the vehicle's speed limits may be exceeded before that costs; 0 for no such bound
     """
 
@@ -38,11 +40,11 @@ class Nmpc(Controller):
     def __init__(
         self, stages: Stages = 20, step: Stage = 0.05, position: Positive = 400.0, attitude: Positive = 5.0,
         velocity: Positive = 10.0, rates: Positive = 1.0, thrust: Positive = 0.1, rate_limit: tuple[Positive, Positive, Positive] = (6.0, 6.0, 3.0),
-        soft_speed: NonNegative = 0.1, latency: NonNegative = 0.03, lead: NonNegative = 0.012, tip: NonNegative = 45.0,
+        soft_speed: NonNegative = 0.1, latency: NonNegative = 0.03, lead: NonNegative = 0.012, tip: NonNegative = 45.0, aside: Chance = 0.5,
     ) -> None:  # fmt: skip
         """Keep the numbers. Raises Unavailable without daqp."""
         need("daqp", "controller=nmpc")
-        self.horizon, self.soft_speed = Horizon(stages, step, latency, lead, rate_limit), soft_speed
+        self.horizon, self.soft_speed = Horizon(stages, step, latency, lead, rate_limit, aside), soft_speed
         self.weights = Weights(position, attitude, velocity, rates, thrust, tip)
 
     def prepare(

@@ -13,6 +13,7 @@ from benchbench.flight.residual import Correction
 from benchbench.flight.sensed import Command, Sensed
 from benchbench.ground.arrays import Array
 from benchbench.ocp.scenario import NonNegative, Positive
+from benchbench.ocp.task_family import Chance
 from benchbench_plugins.controllers.condensed import Weights
 from benchbench_plugins.controllers.converged import Converged
 from benchbench_plugins.controllers.prediction import Prediction
@@ -28,10 +29,10 @@ class NmpcIpopt(Controller):
     def __init__(
         self, stages: Stages = 20, step: Stage = 0.05, position: Positive = 400.0, attitude: Positive = 5.0,
         velocity: Positive = 10.0, rates: Positive = 1.0, thrust: Positive = 0.1, rate_limit: tuple[Positive, Positive, Positive] = (6.0, 6.0, 3.0),
-        latency: NonNegative = 0.03, lead: NonNegative = 0.012, tip: NonNegative = 45.0,
+        latency: NonNegative = 0.03, lead: NonNegative = 0.012, tip: NonNegative = 45.0, aside: Chance = 0.5,
     ) -> None:  # fmt: skip
         """Keep the numbers; they mean what they do for `nmpc`."""
-        self.horizon = Horizon(stages, step, latency, lead, rate_limit)
+        self.horizon = Horizon(stages, step, latency, lead, rate_limit, aside)
         self.weights = Weights(position, attitude, velocity, rates, thrust, tip)
 
     def prepare(

@@ -37,13 +37,14 @@ class Program(Protocol):
 
 @dataclass(frozen=True)
 class Horizon:
-    """Stages of `step` s; latency and lead in s, as `Nmpc` has them; rate_limit (3,) rad/s."""
+    """Stages of `step` s; latency, lead in s and aside as `Nmpc` has them; rate_limit (3,) rad/s."""
 
     stages: int
     step: float
     latency: float
     lead: float
     rate_limit: tuple[float, ...]
+    aside: float
 
 
 def receding(
@@ -52,7 +53,7 @@ def receding(
 ) -> Callable[[Sensed, float], Command]:  # fmt: skip
     """Return the step of a controller; program: made of a prediction and the bounds (4,) of its inputs."""
     frame, most = known.airframe, np.array(known.rig.motor_force) * 4 / known.airframe.total_mass
-    table = tables(known.reference, frame, horizon.step)
+    table = tables(known.reference, frame, horizon.step, horizon.aside)
     estimate = Estimate(table, known, correction, weighing, horizon.latency, horizon.lead)
     telling = Telling(known, table, horizon.lead)
     if isinstance(known.before, Receding):

@@ -12,6 +12,7 @@ from benchbench.flight.reference import Reference, entry, matrices, tip
 from benchbench.flight.statics import mixer
 from benchbench.ground.arrays import Array, Index
 from benchbench.ocp.airframe import Airframe
+from benchbench_plugins.controllers.centred import aside
 from benchbench_plugins.controllers.prediction import STATES, stage
 
 GRID = 0.01
@@ -34,7 +35,8 @@ NEAR = 0.1
 class Tables:
     """Rows every GRID s from the reference's first time on.
 
-    state    (n, 10); inputs (n, 4): what leads from each state to the one a stage later, mean over that stage
+    state    (n, 10), aside of the reference; inputs (n, 4): what leads from each state of the reference to the one a stage later,
+             mean over that stage
     offset   (n, 10): what the model misses in doing so, the arm's coupling acceleration above all; added to each step
     error    (n, 3, 4): attitude error 2 vec(q_r* (x) q) as a matrix on q
     arm      (n,) rad
@@ -64,8 +66,8 @@ class Tables:
         return max(round((time - self.start) / GRID), 0)
 
 
-def tables(reference: Reference, airframe: Airframe, step: float) -> Tables:
-    """Make them for stages of `step` s."""
+def tables(reference: Reference, airframe: Airframe, step: float, share: float = 0.0) -> Tables:
+    """Make them for stages of `step` s, with a share of the room beside the ball as `aside` has it."""
     each, span = round(GRID / reference.step), round(step / reference.step)
     rows = np.arange(0, len(reference.time), each)
     later = np.minimum(rows + span, len(reference.time) - 1)
@@ -83,8 +85,10 @@ def tables(reference: Reference, airframe: Airframe, step: float) -> Tables:
         tip(reference.state, airframe.arm_offset, airframe.arm_length)[1], reference.step, axis=0
     )
     apart = reference.acceleration - pulled - coupling
+    place, speed = aside(reference, airframe, share)
     return Tables(
-        float(reference.time[0]), state[rows], inputs, state[later] - ends, _errors(q), reference.state[rows, 7],
+        float(reference.time[0]), state[rows] + np.hstack([place, 0 * state[:, 3:7], speed])[rows],
+        inputs, state[later] - ends, _errors(q), reference.state[rows, 7],
         _levers(reference, airframe, rows), coupling, wrench, pulled + np.array([0.0, 0.0, airframe.gravity]), apart, _means(apart, rows, later),
     )  # fmt: skip
 
