@@ -26,6 +26,7 @@ from benchbench.planning.ladder import climb, coarse, on_grid, rung
 from benchbench.planning.margins import NONE, with_margins
 from benchbench.planning.mesh import apart, exceeded, halved, marked, steady
 from benchbench.planning.onward import started, without_error
+from benchbench.planning.prices import of_paths
 from benchbench.planning.proximal import PRICE, kept_near
 from benchbench.planning.result import Result
 from benchbench.transcription.correction import correctable
@@ -194,6 +195,28 @@ def test_a_margin_of_a_rate_is_taken_where_it_costs_nothing() -> None:
     for price, cut in ((0.0, False), (1e-2, True)):
         step = next_step(found, case, Round(NONE, correctable=True, prices=dict.fromkeys(names, price)))
         assert step is not None and step.rates == cut and bool(step.margins["rate_margin"]) != cut
+
+
+def test_a_margin_along_the_path_is_taken_where_it_costs_nothing() -> None:
+    """The tip is 0.2 mm too deep for a floor of 10 mm: a margin where its multipliers are nothing, cut intervals where they are not."""
+    case, found = case_of("+scenario/contact=floor"), verdict(("replay_path_floor", 0.0102, 0.01))
+    for price, cut in ((0.0, False), (1.0, True)):
+        for able in (False, True):
+            step = next_step(found, case, Round(NONE, correctable=able, paths={"floor": price}))
+            assert step is not None and (step.rates or step.finer) == cut
+            assert (step.margins["contact_margin"].get("floor", 0.0) > 0.02) != cut
+
+
+def test_the_price_of_a_margin_along_the_path_is_what_it_costs() -> None:
+    """The floor of the authors' demo on a climb: its multipliers tell what a tighter one costs, to first order."""
+    case = with_margins(
+        case_of("+scenario/contact=floor", "scenario.intervals=40", "scenario.end.z=1.2"), NONE
+    )
+    found = climb(case, Ledger(60.0), posing.line(case))
+    price = of_paths(found, case.scenario)["floor"]
+    tight = with_margins(case, {**NONE, "contact_margin": {"floor": 0.1}})
+    dearer = rung(tight, Ledger(60.0), found.plan, found).objective / found.objective - 1
+    assert dearer > 1e-7 and 0.5 * dearer < 0.1 * price / 2 < 2 * dearer
 
 
 def test_what_adds_up_is_not_passed_between_nodes() -> None:

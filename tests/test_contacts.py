@@ -144,6 +144,15 @@ def test_tightened_condition_keeps_its_form() -> None:
     assert whole.tightened(0.0) is whole
 
 
+@pytest.mark.parametrize(("below", "h"), [(0.009, 0.0), (0.01, 0.1), (0.0, -0.9)])
+def test_a_condition_of_another_form_is_tightened_in_its_own_scale(below: float, h: float) -> None:
+    """A floor of 10 mm with a tenth to spare is a floor of 9 mm."""
+    depth = ca.SX.sym("depth")
+    floor = Condition(depth / 0.01 - 1, "m").tightened(0.1)
+    assert floor.limit is None
+    assert float(ca.Function("h", [depth], [floor.h])(below)) == pytest.approx(h, abs=1e-12)
+
+
 N = 5
 CIRCLE = Circle((0.1, 0.2, 0.4), 0.3, 0.7)
 

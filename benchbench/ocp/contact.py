@@ -27,16 +27,18 @@ class Target:
 
 @dataclass(frozen=True)
 class Condition:
-    """h (m,) <= 0, scaled as h = (gap / limit)^2 - 1; `limit` (m,) in `unit`, or None for another form."""
+    """h (m,) <= 0, scaled as h = (gap / limit)^2 - 1; `limit` (m,) in `unit`, or None for another form, such as gap / limit - 1."""
 
     h: ca.SX
     unit: str
     limit: tuple[float, ...] | None = None
 
     def tightened(self, margin: float) -> Condition:
-        """The same condition for the limit (1 - margin) * limit; needs h of that form."""
-        if self.limit is None or margin == 0.0:
+        """The same condition for the limit (1 - margin) * limit; h of another form is kept by `margin` of its scale."""
+        if margin == 0.0:
             return self
+        if self.limit is None:
+            return Condition(self.h + margin, self.unit)
         h = (self.h + 1) / (1 - margin) ** 2 - 1
         return Condition(h, self.unit, tuple(limit * (1 - margin) for limit in self.limit))
 

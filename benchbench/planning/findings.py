@@ -27,7 +27,7 @@ The arm swings on its way without anybody's asking; `random_hardware` seed 8 giv
 LARGEST = 0.25
 """Multipliers tell the price of small margins only."""
 ALONG = 0.01
-"""The same of a contact's condition that is kept along the path: 1 % of the speed of approach costs 9 ms there."""
+"""The same as `CHEAP` of a contact's condition that is kept along the path: 1 % of the speed of approach costs 9 ms there."""
 AHEAD = 0.1
 """Largest margin of a contact that a finer grid starts with."""
 RAISED = 2
@@ -44,6 +44,7 @@ class Round:
     most        largest margin beyond those
     may_refine  whether there may be a finer grid
     raised      how often margins were raised on this grid
+    paths       the same of conditions that are kept along the path, by their names
     cheap       share of a limit up to which a margin is taken rather than a finer grid
     prices      share of the cost that a margin of all of a rate's limit takes, to first order; a rate that is not named has none
     correctable, corrected  whether the error of the transcription may be taken off its equations, and whether it was
@@ -58,6 +59,7 @@ class Round:
     corrected: bool = False
     cheap: Mapping[str, float] = field(default_factory=lambda: CHEAP)
     prices: Mapping[str, float] = field(default_factory=dict)
+    paths: Mapping[str, float] = field(default_factory=dict)
 
     def bearable(self, rates: Mapping[str, float]) -> bool:
         """Whether these margins of rates cost less than a finer grid, and are no larger than any may be."""
@@ -65,9 +67,21 @@ class Round:
         added = {name: share - own.get(name, 0.0) for name, share in rates.items()}
         return all(
             share <= min(self.cheap["rate_margin"], self.most)
-            or (share <= min(LARGEST, self.most) and share * self.prices.get(name, np.inf) <= FREE)
+            or self._free(share, self.prices.get(name, np.inf))
             for name, share in added.items()
         )
+
+    def dear(self, contacts: Mapping[str, float], along: frozenset[str]) -> frozenset[str]:
+        """Names of conditions kept along the path whose margin costs more than a finer grid."""
+        added = {n: contacts.get(n, 0.0) - self.least["contact_margin"].get(n, 0.0) for n in along}
+        return frozenset(
+            n
+            for n, share in added.items()
+            if share > ALONG and not self._free(share, self.paths.get(n, np.inf))
+        )
+
+    def _free(self, share: float, price: float) -> bool:
+        return share <= min(LARGEST, self.most) and share * price <= FREE
 
 
 @dataclass(frozen=True)
@@ -116,7 +130,7 @@ def _corrected(found: Certificate, raised: Margins, now: Round, along: frozenset
     """Take the error of the transcription off, cut what margins do not cure, and take the margins that are cheap."""
     rates, contacts = raised["rate_margin"], dict(raised["contact_margin"])
     own = now.least["contact_margin"]
-    dear = {n for n in along if now.may_refine and contacts.get(n, 0.0) - own.get(n, 0.0) > ALONG}
+    dear = now.dear(contacts, along) if now.may_refine else frozenset()
     contacts |= {name: now.margins["contact_margin"].get(name, 0.0) for name in dear}
     most = {kind: min(share, now.most) if now.may_refine else now.most for kind, share in now.cheap.items()}
     fast = not now.bearable(rates) if now.may_refine else beyond({"rate_margin": rates}, now.least) > now.most
@@ -159,9 +173,11 @@ def _along(case: Case) -> frozenset[str]:
 
 def _cheap(margins: Margins, now: Round, along: frozenset[str]) -> bool:
     own = now.least["contact_margin"]
-    return now.bearable(margins["rate_margin"]) and all(
-        share - own.get(name, 0.0) <= (ALONG if name in along else now.cheap["contact_margin"])
-        for name, share in margins["contact_margin"].items()
+    contacts = margins["contact_margin"]
+    return (
+        now.bearable(margins["rate_margin"])
+        and not now.dear(contacts, along)
+        and all(share - own.get(n, 0.0) <= now.cheap["contact_margin"] for n, share in contacts.items())
     )
 
 

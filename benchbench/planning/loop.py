@@ -14,7 +14,7 @@ from benchbench.planning.findings import CHEAP, EQUAL, Round, Step, next_step
 from benchbench.planning.ladder import climb, coarse, higher, on_grid, rung
 from benchbench.planning.margins import Margins, least_margins, of_the_search, with_margins
 from benchbench.planning.mesh import apart, exceeded, halved, marked, steady, touching
-from benchbench.planning.prices import of_rates
+from benchbench.planning.prices import of_paths, of_rates
 from benchbench.planning.rescue import rescue
 from benchbench.planning.resting import once_they_rest
 from benchbench.planning.result import Result
@@ -92,7 +92,8 @@ class Loop:
                 break
             able = self.correction and correctable(found.problem.trajectory)
             now = replace(now, may_refine=found.plan.intervals < self.finest, correctable=able)
-            now = replace(now, prices=of_rates(found, level.model.velocity))
+            prices = of_rates(found, level.model.velocity)
+            now = replace(now, prices=prices, paths=of_paths(found, level.scenario))
             alone = apart(found.plan, certificate, level) if able else certificate
             step = next_step(certificate, level, now, alone)
             if step is None:

@@ -16,7 +16,7 @@ from benchbench.ocp.stop import Stop
 from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.planning.elastic import Eased, ease
-from benchbench.planning.prices import prices
+from benchbench.planning.prices import of_rows, prices
 
 PATIENCE = 250
 """Iterations of a solve with slack: 20 to 160 are usual."""
@@ -106,16 +106,11 @@ def _prices(eased: Eased, case: Case) -> Iterator[tuple[float, str]]:
 
 def _prices_of_contacts(eased: Eased, case: Case) -> Iterator[tuple[float, str]]:
     """Conditions of contacts that are kept, but only just: the same price, of their limits; h = (gap / limit)^2 - 1 (`Condition`)."""
-    multipliers, mpcc, contacts = eased.result.solved.outcome.point.lam_g, eased.result.mpcc, _contacts(case)
-    if multipliers is None:
-        return
-    ends = np.cumsum([0, *(block.lower.size for block in mpcc.constraints)])
-    for block, first in zip(mpcc.constraints, ends, strict=False):
-        if block.name not in contacts or block.name in _broken(eased):
-            continue
-        made, name = contacts[block.name]
-        contact, price = made.contacts[name], np.abs(multipliers[first : first + block.lower.size]).sum()
-        yield float(2 * price) / 100, f"{contact.noun}{made.label}, {contact.limit:g} {contact.unit}"
+    contacts, rows = _contacts(case), of_rows(eased.result)
+    for block in rows.keys() & contacts.keys() - _broken(eased).keys():
+        made, name = contacts[block]
+        contact = made.contacts[name]
+        yield 2 * rows[block] / 100, f"{contact.noun}{made.label}, {contact.limit:g} {contact.unit}"
 
 
 def _by_name(kind: str, of: Coordinates, prices: Array) -> Iterator[tuple[float, str]]:

@@ -211,7 +211,8 @@ def _check_margins(scenario: Mapping[str, Any]) -> None:
     for field in ("contact_margin", "aim"):
         for name in scenario.get(field) or {}:
             if contacts and name not in contacts:
-                raise BadInput(f"scenario.{field}.{name}", "there is no such contact", ", ".join(contacts))
+                allowed = f"{', '.join(contacts)}; scenario.contacts.NAME=null switches a contact off"
+                raise BadInput(f"scenario.{field}.{name}", "there is no such contact", allowed)
     there = [f"{field}.{name}" for field in NONE for name in scenario.get(field) or {}]
     for name in scenario.get("kept_margins") or ():
         if name not in there:
