@@ -9,10 +9,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
-from benchbench.conformance.checks.flying import Obedient, known, vehicle, wandering
+from benchbench.conformance.checks.flying import RIG, Obedient, known, vehicle, wandering
 from benchbench.flight.controller import Controller
 from benchbench.flight.reference import Reference, tip
 from benchbench.flight.residual import Recorder, Residual, Sample
+from benchbench.flight.sensed import Command, Sensed
 from benchbench.flight.training import training_reference
 from benchbench.ground.arrays import Array
 from benchbench_plugins.controllers.centred import aside
@@ -21,6 +22,8 @@ from benchbench_plugins.controllers.nmpc_ipopt import NmpcIpopt
 from benchbench_plugins.controllers.prediction import Prediction
 from benchbench_plugins.controllers.receding import Receding
 from benchbench_plugins.controllers.tables import GRID, tables
+from benchbench_plugins.payloads.estimated import Estimated
+from benchbench_plugins.residuals.filtered import Filtered
 from benchbench_plugins.residuals.gp import Gp
 from benchbench_plugins.residuals.gp_observer import GpObserver
 
@@ -187,6 +190,34 @@ def _estimated(noise: float) -> Array:
         body.obey(step(sensed, body.time))
         found.append(step.estimate.state[:3] - true)
     return np.array(found)
+
+
+def test_what_hangs_at_the_magnet_is_weighed_and_the_observer_keeps_none_of_it() -> None:
+    """In wind, after the magnet's pull on the vehicle: the whole mass is found, and the wind that was there before stays the wind."""
+    body, wind, ball = Obedient(wandering()), np.array([0.2, 0.0, -0.3]), 0.2
+    correction, mass = Filtered(0.1), vehicle().airframe.total_mass
+    step = Nmpc().prepare(known(wandering()), correction, Estimated().prepare(RIG, mass))
+    assert isinstance(step, Receding)
+    for command in range(140):
+        attached, pulled = command >= 60, 55 <= command < 60
+        body.push, body.mass = wind - [0.0, 0.0, 3.0 * pulled], mass + ball * attached
+        body.obey(step(replace(body.sensed(), attached=attached), body.time))
+    assert step.estimate.payload == pytest.approx(ball, abs=0.02)
+    np.testing.assert_allclose(correction.value, wind, atol=0.08)
+
+
+def test_a_shock_throws_no_weighing_and_the_first_readings_count_alike() -> None:
+    """Readings of 0.2 kg are believed at once; one of -3 kg, as a ball that hits the magnet gives, takes a sixth of them."""
+    vehicle_mass, ball, thrust = 1.4, 0.2, 17.0
+    weigh = Estimated().prepare(RIG, vehicle_mass)
+    command, mass, found = Command(0.0, thrust, *[(0.0, 0.0, 0.0)] * 4), 0.0, []
+    for reading in [ball, ball, ball, ball, ball, ball, ball, -3.0, ball, ball]:
+        along = (mass - reading) * thrust / (vehicle_mass + mass) ** 2
+        mass = weigh(Sensed(0.0, np.zeros(15), True), command, along)
+        found.append(mass)
+    np.testing.assert_allclose(found[:7], ball, atol=1e-9)
+    assert found[7] == pytest.approx(ball * 0.85) and found[7] < found[8] < found[9] < ball
+    assert weigh(Sensed(0.0, np.zeros(15), False), command, 0.0) == 0.0
 
 
 @pytest.mark.parametrize("residual", [Gp, GpObserver])

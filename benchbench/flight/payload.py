@@ -9,7 +9,11 @@ from benchbench.flight.rig import Rig
 from benchbench.flight.sensed import Command, Sensed
 
 Weighing = Callable[[Sensed, Command | None, float], float]
-"""From what is sensed, the last command, and the acceleration along the body's z axis that was not expected (m/s^2), kg."""
+"""From what is sensed, the last command, and an acceleration (m/s^2), the mass in kg.
+
+The acceleration is that along the body's z axis which was not expected, beyond what a residual model expected before the ball hung
+there: what such a model has learned since then is the mass's.
+"""
 
 
 class Payload(ABC):

@@ -25,6 +25,8 @@ RARE = 0.05
 """s between two states beyond which their difference says little of what was commanded in between."""
 BELIEVED = np.array([0.5] * 3 + [0.3] * 4 + [0.5] * 3)
 """Shares of what is sensed anew in position, attitude and velocity: the rest is noise, which a time without news would keep."""
+PULLED = 10
+"""Samples, a fifth of a second, before a ball is attached: what surprised since then may have been the magnet's pull."""
 KEPT = 60
 """Commands that are remembered, more than a second."""
 NOTHING = np.zeros(4)
@@ -55,11 +57,12 @@ class Estimate:
         self.state = np.zeros(10)
         self.given: deque[tuple[Command, Array]] = deque(maxlen=KEPT)
         self.payload, self.constant = 0.0, np.zeros(3)
+        self.alone: deque[Array] = deque([self.constant], maxlen=PULLED)
 
     def remember(self, other: Estimate) -> None:
         """Go on where another one is, of the same flight."""
         self.last, self.given, self.state = other.last, other.given, other.state
-        self.payload, self.constant = other.payload, other.constant
+        self.payload, self.constant, self.alone = other.payload, other.constant, other.alone
 
     def told(self, command: Command, change: Array) -> None:
         """Remember a command, and by which rates and thrust over mass (4,) it changes the reference's."""
@@ -111,7 +114,9 @@ class Estimate:
             expected = self._model(q, middle, change[3])
             surprise = (sensed.state[8:11] - last.state[8:11]) / h - expected
             self.correction.observe(Sample(sensed.time, sensed.state, surprise))
-            along = float(_up(q) @ (surprise - self.constant))
+            if not sensed.attached:
+                self.alone.append(self.constant)
+            along = float(_up(q) @ (surprise - self.alone[0]))
             node = np.concatenate([sensed.state[:7], sensed.state[8:11]])[None]
             self.constant = self.correction.predict(node, sensed.state[7:8])[0][0]
         self.payload = self.weighing(sensed, command, along)

@@ -15,15 +15,16 @@ from benchbench.ocp.task_family import Chance
 
 @final
 class Estimated(Payload):
-    """Integrates the acceleration along the body's z axis that was not expected, while the ball is attached.
+    """The mean of what the acceleration along the body's z axis that was not expected says, while the ball is attached.
 
     F = (m + m_b) c: a model with the mass m + m_b expects F / (m + m_b); falling short by r, m_b is too small by about
-    (m + m_b)^2 r / F.
+    (m + m_b)^2 r / F. Each reading is between nothing and `most`, whatever a ball that hits the magnet does. The first count alike, as
+    for a constant; later ones count `gain`, so that what was wrong while the ball still swung is forgotten.
     """
 
     @validate_call
     def __init__(self, gain: Chance = 0.15, most: Positive = 1.0) -> None:
-        """gain: share of a shortfall that is believed; most: kg, no estimate is larger."""
+        """gain: share of a reading that is believed at least; most: kg, no reading is larger."""
         self.gain, self.most = gain, most
 
     def prepare(self, rig: Rig, vehicle_mass: float) -> Weighing:
@@ -33,12 +34,14 @@ class Estimated(Payload):
 
 class _Scales:
     def __init__(self, gain: float, most: float, vehicle_mass: float) -> None:
-        self.gain, self.most, self.vehicle, self.mass = gain, most, vehicle_mass, 0.0
+        self.gain, self.most, self.vehicle, self.mass, self.readings = gain, most, vehicle_mass, 0.0, 0
 
     def weigh(self, sensed: Sensed, command: Command | None, along: float) -> float:
-        if not sensed.attached or command is None:
-            self.mass = 0.0 if not sensed.attached else self.mass
-            return self.mass
-        change = -((self.vehicle + self.mass) ** 2) * along / max(command.thrust, 1.0)
-        self.mass = min(max(self.mass + self.gain * change, 0.0), self.most)
+        if not sensed.attached:
+            self.mass, self.readings = 0.0, 0
+        elif command is not None:
+            change = -((self.vehicle + self.mass) ** 2) * along / max(command.thrust, 1.0)
+            reading = min(max(self.mass + change, 0.0), self.most)
+            self.readings += 1
+            self.mass += max(self.gain, 1 / self.readings) * (reading - self.mass)
         return self.mass
