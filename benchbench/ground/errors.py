@@ -29,6 +29,10 @@ class BadInput(BenchBenchError):
         self.field, self.problem, self.allowed = field, problem, allowed
         super().__init__(f"{field}: {problem}" + (f"; allowed: {allowed}" if allowed else ""))
 
+    def __reduce__(self) -> tuple[type[BadInput], tuple[str, str, str]]:
+        """Pickle the parts, of which the text is made again, for one that is raised in a child process."""
+        return type(self), (self.field, self.problem, self.allowed)
+
 
 class IncompatibleCase(BadInput):
     """Two choices that are fine alone cannot work together."""
