@@ -16,12 +16,13 @@ from sweeps import path_with_bad_runs
 
 from benchbench.cli.commands import tune
 from benchbench.ground.errors import BadInput, Pruned
-from benchbench.run import config, pipeline
+from benchbench.run import config, flying, pipeline
 from benchbench.run.progress import LiveLine
-from benchbench.sweep.tuning import outcome
+from benchbench.sweep.tuning import outcome, search
 from benchbench.sweep.tuning.space import read
 from benchbench.sweep.tuning.steps import TrialReport
 from benchbench.sweep.tuning.storage import opened
+from benchbench.sweep.tuning.task import StudySettings
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "tuning" / "schedule.yaml"
 FLOWN = ("strategy=phases", "strategy.margin=0", "dynamics=collocation")
@@ -203,6 +204,34 @@ def test_the_best_configuration_holds_what_its_overrides_imply(
     assert case.names["scenario"] == "circle" and list(case.relaxation.schedule) == [1e-3]
 
 
+def test_the_best_configuration_flies_as_its_study_did(tmp_path: Path) -> None:
+    """Choices of flights, of their judge and of a contact stay choices."""
+    (tmp_path / "tuned").mkdir()
+    fixed = ("+scenario/contact=approach", "flights=3", "residual=observer", "mismatch=windy")
+    params = {"residual.gain": 0.2, "scenario.contacts.approach.slope": 3.5}
+    (tmp_path / "tuned" / "best.yaml").write_text(
+        outcome.as_config(params, fixed, "s", ("+scenario=static",))
+    )
+    cfg, chosen = config.composed(
+        "+scenario=circle", "+tuned=best", f"hydra.searchpath=['file://{tmp_path}']"
+    )
+    said, _ = config.composed(
+        "+scenario=circle", *fixed, *(f"{key}={value}" for key, value in params.items())
+    )
+    assert cfg == said and chosen["mismatch"] == "windy"
+    assert flying.campaign(cfg, chosen) is not None
+    more, _ = config.composed(
+        "+scenario=circle", "+tuned=best", "flights=20", f"hydra.searchpath=['file://{tmp_path}']"
+    )
+    assert more == {**cfg, "flights": 20}  # what the file says of flights stands
+
+
+def test_more_successes_are_asked_for_with_a_minus() -> None:
+    record = {"certified": True, "flights_succeeded": 4, "travel_time_s": 3.0}
+    asked = StudySettings.of("s", "sqlite://", 1, ("-flights_succeeded", "travel_time_s"), "tpe", 0, None)
+    assert [search.cost(record, name) for name in asked.objectives] == [-4.0, 3.0]
+
+
 def test_hydras_syntax_becomes_distributions() -> None:
     space = read(
         ["a=interval(1.0,2.0)", "b=tag(log,interval(1e-4,1e-1))", "c=int(interval(2,9))", "d=x,y", "s=1,2", "+e=3", "f=range(1,7,2)"],
@@ -234,6 +263,10 @@ def test_a_file_says_the_same_as_the_command_line() -> None:
         (("scenario.intervals=interval(30,20)",), "scenario.intervals"),
         (("scenario.interval=20,30",), "scenario.interval"),
         (("scenario.intervals=20,30", "hydra.sweeper.objectives=[beauty]"), "hydra.sweeper.objectives"),
+        (
+            ("scenario.intervals=20,30", "hydra.sweeper.objectives=[flights_succeeded]"),
+            "hydra.sweeper.objectives",
+        ),
         (("scenario.intervals=20,30", "hydra.sweeper.sampler=guess"), "hydra.sweeper.sampler"),
         (("scenario.intervals=20,30", "hydra.sweeper.storage=nowhere://x"), "hydra.sweeper.storage"),
         (("scenario.intervals=20,30", "hydra.sweeper.n_trials=0"), "hydra.sweeper.n_trials"),

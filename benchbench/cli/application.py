@@ -92,7 +92,7 @@ def _complete(options: Namespace, arguments: Sequence[str]) -> list[str]:
     """Overrides with what they imply; Hydra, where it reads the command line by itself, finds them there too."""
     given: list[str] = options.overrides
     if options.multirun:
-        new = carried([*given, *flying(given)])
+        new = carried([*given, *flying(given, config.chosen_in_files(given, options.config_dir))])
         by_name = dict(zip(given, new, strict=False))
         sys.argv[1:] = [*(by_name.get(a, a) for a in arguments), *new[len(given) :]]
         return [*new]

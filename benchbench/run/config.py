@@ -104,15 +104,35 @@ def composed(*overrides: str, stored: bool = False) -> tuple[DictConfig, dict[st
 
 def meant(overrides: Sequence[str], more: str | None = None) -> list[str]:
     """Return overrides of one run with what they imply; `more` is the user's own folder. Raises what Hydra does."""
-    overrides = [*overrides, *flying.flying(overrides)]
+    overrides = [*overrides, *flying.flying(overrides, chosen_in_files(overrides, more))]
     if not implying(overrides):  # composing takes longer than all else here
         return overrides
     if not GlobalHydra.instance().is_initialized():
         with hydra.initialize_config_dir(folder(), version_base="1.3"):
-            return meant(overrides, more)
+            return [*overrides, *implied(overrides, _composed(overrides, more))]
+    return [*overrides, *implied(overrides, _composed(overrides, more))]
+
+
+def chosen_in_files(overrides: Sequence[str], more: str | None = None) -> set[str]:
+    """Return what files of the user's own, as in +tuned=best, choose of flights; `more` is the folder they may be in."""
+    added = {text: text.lstrip("+").partition("=")[0] for text in overrides if text.startswith("+")}
+    own = [text for text, key in added.items() if not {*"./@"} & {*key} and key not in FIELDS]
+    own += [text for text in overrides if text.startswith("hydra.searchpath=")]
+    if not any(text.startswith("+") and "," not in text for text in own):
+        return set()
+    if not GlobalHydra.instance().is_initialized():
+        with hydra.initialize_config_dir(folder(), version_base="1.3"):
+            return chosen_in_files(overrides, more)
+    try:
+        cfg = _composed(own, more)
+    except (*EXPECTED, ValueError):  # what is wrong with it is told where all is composed
+        return set()
+    return {name for name in flying.FIELDS if cfg.get(name)}
+
+
+def _composed(overrides: Sequence[str], more: str | None) -> DictConfig:
     own = [f"hydra.searchpath=['file://{Path(more).absolute()}']"] if more else []
-    cfg = hydra.compose("config", [*overrides, *own], return_hydra_config=True)
-    return [*overrides, *implied(overrides, cfg)]
+    return hydra.compose("config", [*overrides, *own], return_hydra_config=True)
 
 
 def build(cfg: DictConfig, chosen: Mapping[str, Any]) -> Case | ReadyCase:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from omegaconf import DictConfig
@@ -40,19 +40,19 @@ KINDS: dict[str, type] = {
 FIELDS = (COUNT, TARGET, *KINDS)
 
 
-def flying(overrides: Sequence[str]) -> list[str]:
+def flying(overrides: Sequence[str], chosen_before: Collection[str] = ()) -> list[str]:
     """Return what overrides that ask for flights imply: the choices that are not made; one flight where there is no number.
 
-    Raises what Hydra does for what is no override.
+    chosen_before: what files of the user's own have chosen. Raises what Hydra does for what is no override.
     """
     asked = keys(overrides)
     about = {key.partition(".")[0] for key in asked} & {*FIELDS}
     if not about or (about == {COUNT} and f"{COUNT}=0" in overrides):
         return []
-    chosen = {key for key in asked if "." not in key}
+    chosen = {key for key in asked if "." not in key} | {*chosen_before}
     judged = JUDGE in chosen or any(text.lstrip("+").startswith(f"{JUDGING}=") for text in overrides)
     more = [f"{group}={name}" for group, name in DEFAULTS.items() if group not in chosen]
-    return [*more, *([] if judged else [JUDGED]), *([] if COUNT in asked else [f"{COUNT}=1"])]
+    return [*more, *([] if judged else [JUDGED]), *([] if COUNT in chosen else [f"{COUNT}=1"])]
 
 
 def campaign(cfg: DictConfig, chosen: Mapping[str, Any]) -> Campaign | None:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from omegaconf import OmegaConf
 from optuna.trial import FrozenTrial, TrialState
 
-from benchbench.run import config
+from benchbench.run import config, flying
 from benchbench.storage.files import write_bytes
 
 BEST = "tuned/best.yaml"
@@ -70,8 +70,10 @@ def as_config(params: Mapping[str, Any], fixed: Sequence[str], name: str, proble
     fields: dict[str, Any] = {}
     groups = []
     for parsed in OverridesParser.create().parse_overrides(texts):
-        if parsed.key_or_group in config.KINDS and parsed.key_or_group != "scenario":
-            groups.append({f"override /{parsed.key_or_group}": parsed.value()})
+        if parsed.key_or_group in {*config.KINDS, *flying.DEFAULTS} - {"scenario"}:
+            groups.append({f"override /{parsed.get_key_element().lstrip('+')}": parsed.value()})
+        elif "/" in parsed.key_or_group and not parsed.key_or_group.startswith("hydra"):
+            groups.append({f"/{parsed.get_key_element().lstrip('+')}": parsed.value()})
         elif not parsed.key_or_group.startswith("hydra") and parsed.key_or_group != "scenario":
             fields[parsed.key_or_group] = parsed.value()
     content = OmegaConf.create({"defaults": [*groups, "_self_"]})

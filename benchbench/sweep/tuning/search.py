@@ -13,7 +13,7 @@ from benchbench.storage.status import Status
 from benchbench.sweep.tuning.begun import at_work
 from benchbench.sweep.tuning.outcome import good
 from benchbench.sweep.tuning.space import SearchSpace
-from benchbench.sweep.tuning.task import StudySettings
+from benchbench.sweep.tuning.task import MORE, StudySettings, column_of
 
 WORST = 1e9
 """Objective of a plan that is not certified; its constraint keeps the trial from being called good."""
@@ -45,7 +45,7 @@ def _try(
         if _given_up(done):
             break
         if task.prune == "problems":
-            trial.report(_cost(done[-1], task.objectives[0]), len(done) - 1)
+            trial.report(cost(done[-1], task.objectives[0]), len(done) - 1)
             if len(done) < len(runs) and (
                 trial.should_prune() or (_bad(done, task.objectives) and good(study))
             ):
@@ -68,13 +68,13 @@ def _tell(
     if len(done) < runs or _given_up(done):
         study.tell(trial, state=TrialState.PRUNED)
         return
-    study.tell(trial, [sum(_cost(record, name) for record in done) for name in task.objectives])
+    study.tell(trial, [sum(cost(record, name) for record in done) for name in task.objectives])
 
 
 def _reporting(task: StudySettings, trial: int, done: Sequence[Mapping[str, Any] | None]) -> str:
     """The override that makes a run report its solves to the trial, see benchbench.sweep.tuning.steps."""
     name = task.objectives[0]
-    before = float(sum(_cost(record, name) for record in done))
+    before = float(sum(cost(record, name) for record in done))
     texts = {"storage": task.storage, "study_name": task.study_name, "objective": name}
     told = [f"{key}:{_quoted(text)}" for key, text in texts.items()]
     told += [f"trial:{trial}", f"problem:{len(done)}", f"before:{before!r}"]
@@ -89,7 +89,7 @@ def _quoted(text: str) -> str:
 def _bad(done: Sequence[Mapping[str, Any] | None], names: Sequence[str]) -> int:
     """Plans that are not certified, or of which an objective is no number."""
     return sum(
-        not (record and record["certified"] and all(record[name] is not None for name in names))
+        not (record and record["certified"] and all(record[column_of(name)] is not None for name in names))
         for record in done
     )
 
@@ -98,9 +98,10 @@ def _given_up(done: Sequence[Mapping[str, Any] | None]) -> bool:
     return any(record is not None and record["status"] == Status.PRUNED for record in done)
 
 
-def _cost(record: Mapping[str, Any] | None, name: str) -> float:
-    value = record[name] if record and record["certified"] else None
-    return WORST if value is None else float(value)
+def cost(record: Mapping[str, Any] | None, name: str) -> float:
+    """What an objective is of a run, to be minimised; `WORST` of one without a certified plan."""
+    value = record[column_of(name)] if record and record["certified"] else None
+    return WORST if value is None else -float(value) if name.startswith(MORE) else float(value)
 
 
 def _line(trial: FrozenTrial, names: Sequence[str], done: int, bad: int, chosen: Sequence[str]) -> str:

@@ -22,11 +22,22 @@ TRIES = 8
 """How often to try to open a database that answers with an error."""
 
 
+MORE = "-"
+"""Before an objective of which more is better."""
+MORE_IS_BETTER = ("flights_succeeded", "flights_low_exact", "flights_low", "flights_high", "real_time_factor", "gates_passed")  # fmt: skip
+"""Columns that nobody wants to be small."""
+
+
+def column_of(objective: str) -> str:
+    """Return the column of the record that an objective is about."""
+    return objective.removeprefix(MORE)
+
+
 @dataclass(frozen=True)
 class StudySettings:
     """Settings of a study.
 
-    objectives  numeric columns of the record, each summed over the problems and minimised
+    objectives  numeric columns of the record, each summed over the problems and minimised; with a minus in front maximised
     storage     a database URL as SQLAlchemy takes it, or journal:FILE
     prune       "problems": stop a trial between problems when it is surely worse than the best, or has a plan that
                 is not certified while another trial has none; "steps": stop a run between its solves when the
@@ -49,10 +60,13 @@ class StudySettings:
         """Check them; raises BadInput."""
         numbers = [column.name for column in COLUMNS if column.type in ("int", "float")]
         for name in objectives:
-            if name not in numbers:
+            if column_of(name) not in numbers:
                 raise BadInput(
                     "hydra.sweeper.objectives", f"'{name}' is no number of a record", ", ".join(numbers)
                 )
+            if name in MORE_IS_BETTER:
+                problem = f"'{name}' is better the larger it is, and objectives are minimised"
+                raise BadInput("hydra.sweeper.objectives", problem, f"{MORE}{name}")
         if not objectives:
             raise BadInput("hydra.sweeper.objectives", "none was given", "[travel_time_s, solve_cpu_s]")
         if sampler not in SAMPLERS:
