@@ -217,6 +217,8 @@ def test_a_shock_throws_no_weighing_and_the_first_readings_count_alike() -> None
         found.append(mass)
     np.testing.assert_allclose(found[:7], ball, atol=1e-9)
     assert found[7] == pytest.approx(ball * 0.85) and found[7] < found[8] < found[9] < ball
+    full = replace(command, thrust=0.9 * 4 * RIG.motor_force[1])
+    assert weigh(Sensed(0.0, np.zeros(15), True), full, -5.0) == mass, "a motor at its limit is no mass"
     assert weigh(Sensed(0.0, np.zeros(15), False), command, 0.0) == 0.0
 
 
