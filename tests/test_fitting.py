@@ -12,9 +12,10 @@ import pytest
 from rich.console import Console
 from test_table import row
 
-from benchbench.cli import drawn_table, interrupt
+from benchbench.cli import commands, drawn_table, interrupt
 from benchbench.cli.application import start
 from benchbench.cli.commands import plugins, regress, runs
+from benchbench.ground.errors import BadInput
 from benchbench.run.fitting import fitted
 from benchbench.run.sweep_line import show_line
 from benchbench.run.telling import complain
@@ -23,6 +24,7 @@ from benchbench.storage.table import table_of
 from benchbench.sweep.regression.compare import Change
 
 Look = Callable[[int], None]
+ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture
@@ -121,6 +123,20 @@ def test_an_error_after_ctrl_c_is_told_as_that(monkeypatch: pytest.MonkeyPatch) 
     assert interrupt.heard()
     with pytest.raises(KeyboardInterrupt):
         start(["+scenario=static", "scenario.nosuch=1"])
+
+
+def test_ctrl_c_speaks_of_runs_only_where_there_are_some() -> None:
+    assert interrupt.message() == "benchbench: interrupted; finished runs are stored, the running one is not"
+    try:
+        with pytest.raises(BadInput):
+            commands.run("draw", ["nowhere"])
+        assert interrupt.message() == "benchbench: interrupted"
+        assert isinstance(commands.run("tune", [str(ROOT / "examples/tuning/schedule.yaml")]), list)
+        assert (
+            interrupt.message() == "benchbench: interrupted; finished runs are stored, the running one is not"
+        )
+    finally:
+        interrupt.running(True)
 
 
 def test_what_regress_measured_stands_in_lines_below_its_case(

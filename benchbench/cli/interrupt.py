@@ -9,9 +9,9 @@ import sys
 from types import FrameType
 from typing import NoReturn
 
-_heard = False
+_heard, _runs = False, True
 CODE = 130
-MESSAGE = "benchbench: interrupted; finished runs are stored, the running one is not"
+MESSAGE, STORED = "benchbench: interrupted", "; finished runs are stored, the running one is not"
 
 
 def take_over() -> None:
@@ -36,6 +36,17 @@ def heard() -> bool:
     return _heard
 
 
+def running(runs: bool) -> None:
+    """Say whether runs are carried out from here on; until somebody says so they may be."""
+    global _runs
+    _runs = runs
+
+
+def message() -> str:
+    """Return what is said in the end."""
+    return MESSAGE + STORED * _runs
+
+
 def leave() -> NoReturn:
     """Say so and end the process at once; files are replaced as a whole, so none is left half written.
 
@@ -46,5 +57,5 @@ def leave() -> NoReturn:
             stream.flush()
     clear = "\r\x1b[2K\x1b[?25h" if os.isatty(2) else ""  # the live line away, the cursor back
     with contextlib.suppress(OSError):
-        os.write(2, f"{clear}{MESSAGE}\n".encode())
+        os.write(2, f"{clear}{message()}\n".encode())
     os._exit(CODE)

@@ -13,11 +13,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from benchbench.cli import interrupt
+
 if TYPE_CHECKING:
     from benchbench.cli.arguments import Parser
     from benchbench.sweep.sweep import Swept
 
 
+RUNS = ("regress",)
+"""Commands that carry out runs themselves; others leave that to the main command, if they are short for one."""
 REMEMBERS = "plugins"
 """The command whose module has `at_once(arguments)`, too."""
 
@@ -60,5 +64,7 @@ def run(name: str, arguments: Sequence[str]) -> int | list[str] | Sweep:
 
     Raises BadInput for arguments it does not take.
     """
+    interrupt.running(name in RUNS)
     done: int | list[str] | Sweep = importlib.import_module(f"{__name__}.{name}").run(arguments)
+    interrupt.running(True)
     return done
