@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from inspect import signature
 from typing import Any
 
 import hydra
@@ -36,6 +37,11 @@ class Configured:
         """Return the plugin, some settings replaced; raises AssertionError when it cannot be built."""
         if self.kind is None:
             raise AssertionError(f"{self.name}: {self.error}")
+        if missing := self._missing(changes):
+            raise AssertionError(
+                f"{self.name}: {self.kind.__name__} has no default for {', '.join(missing)}, and no configuration "
+                f"names it; give it defaults, or a YAML in a package of the entry points benchbench.conf"
+            )
         try:
             return hydra.utils.instantiate(
                 {"_target_": f"{self.kind.__module__}.{self.kind.__qualname__}", **self.settings, **changes},
@@ -43,6 +49,15 @@ class Configured:
             )
         except InstantiationException as error:
             raise AssertionError(f"{self.name} cannot be built from {self.settings}: {error}") from error
+
+
+    def _missing(self, changes: Mapping[str, Any]) -> list[str]:
+        """Parameters without a value, of a plugin that no configuration names."""
+        if self.settings or self.kind is None:
+            return []
+        parameters = signature(self.kind).parameters.values()
+        named = [p for p in parameters if p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
+        return [p.name for p in named if p.default is p.empty and p.name not in changes]
 
 
 @cache
