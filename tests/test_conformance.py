@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import benchbench_plugins
-from benchbench.conformance.candidates import GROUPS, candidates
+from benchbench.conformance.candidates import GROUPS, Configured, candidates
 from benchbench.flight.autopilot import Autopilot
 from benchbench.flight.controller import Controller
 from benchbench.flight.payload import Payload
@@ -173,3 +173,15 @@ def test_the_suites_collect_every_plugin(tmp_path: Path) -> None:
         for plugin in installed(family):
             tests = [line for line in done.stdout.splitlines() if f"test_{family}.py" in line]
             assert any(f"[{plugin.name}" in line or f"-{plugin.name}" in line for line in tests), plugin.name
+
+
+def test_a_plugin_whose_numbers_no_configuration_has_is_told_so() -> None:
+    class Machine:
+        def __init__(self, name: str, mass: float, damping: float = 0.0) -> None:
+            self.name, self.mass, self.damping = name, mass, damping
+
+    bare = Configured("machine", Machine, {})
+    with pytest.raises(
+        AssertionError, match="Machine has no default for name, mass, and no configuration names it"
+    ):
+        bare.build()

@@ -50,7 +50,6 @@ class Configured:
         except InstantiationException as error:
             raise AssertionError(f"{self.name} cannot be built from {self.settings}: {error}") from error
 
-
     def _missing(self, changes: Mapping[str, Any]) -> list[str]:
         """Parameters without a value, of a plugin that no configuration names."""
         if self.settings or self.kind is None:

@@ -12,6 +12,7 @@ from benchbench.conformance.candidates import Configured, candidates
 from benchbench.conformance.checks.dynamics import CHECKS
 from benchbench.conformance.checks.orders import check_consistency, check_order, check_phases, energy_errors
 from benchbench.ocp.model import Model
+from benchbench.ocp.touching import TouchingModel
 from benchbench.transcription.dynamics import Dynamics
 
 Record = Callable[[str, object], None]
@@ -30,8 +31,11 @@ def test_dynamics(candidate: Configured, model: Configured, check: Callable[[Dyn
 @MODELS
 @DYNAMICS
 def test_order(candidate: Configured, model: Configured, record_property: Record) -> None:
-    """Measured order of convergence."""
-    record_property("measured", f"{candidate.name} on {model.name}: {check_order(*_both(candidate, model))}")
+    """Measured order of convergence, on vehicles whose inputs are all given: forces of contact are not."""
+    dynamics, vehicle = _both(candidate, model)
+    if isinstance(vehicle, TouchingModel):
+        pytest.skip(f"{model.name} finds some of its inputs itself")
+    record_property("measured", f"{candidate.name} on {model.name}: {check_order(dynamics, vehicle)}")
 
 
 @pytest.mark.parametrize("check", [check_phases, check_consistency], ids=lambda check: check.__name__)

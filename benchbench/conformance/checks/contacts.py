@@ -17,7 +17,7 @@ import numpy as np
 from benchbench.conformance.checks.require import close, require
 from benchbench.conformance.checks.states import random_states
 from benchbench.ground.arrays import Array, Flags
-from benchbench.ocp.contact import Condition, Contact, Target
+from benchbench.ocp.contact import Condition, Contact, NoseContact, Target
 from benchbench.ocp.model import Model
 from benchbench.ocp.node import Node
 
@@ -35,7 +35,7 @@ def check_meaning(contact: Contact, model: Model) -> None:
         gap.shape == (400,) and bool(np.all(gap >= 0)), f"gap must be (n,) and >= 0, has shape {gap.shape}"
     )
     inside = gap <= contact.limit
-    clear = (np.abs(gap / contact.limit - 1) > 1e-6) & _has_direction(model, *states)
+    clear = (np.abs(gap / contact.limit - 1) > 1e-6) & _means_something(contact, model, *states)
     share = float(np.mean(inside))
     require(
         0.02 < share < 0.98,
@@ -63,7 +63,7 @@ def check_boundary(contact: Contact, model: Model) -> None:
         met = contact.gap(plant, *np.split(middle, cuts, axis=1)) <= contact.limit
         a, b = np.where(met[:, None], middle, a), np.where(met[:, None], b, middle)
     border = np.split(a, cuts, axis=1)
-    clear = _has_direction(model, *border)
+    clear = _means_something(contact, model, *border)
     require(np.sum(clear) >= 5, "too few states at the limit were found to judge")
     h = np.max(np.asarray(value(*(x.T for x in border))), axis=0)[clear]
     error = float(np.max(np.abs(h)))
@@ -78,7 +78,7 @@ def check_scale(contact: Contact, model: Model) -> None:
     states = near_states(contact, model, 400, seed=4)
     h = np.asarray(_function(contact, model)(*(x.T for x in states))).ravel()
     gap = contact.gap(model.plant(), *states)
-    near = (gap <= 1.5 * contact.limit) & _has_direction(model, *states)
+    near = (gap <= 1.5 * contact.limit) & _means_something(contact, model, *states)
     again = condition.limit[0] * np.sqrt(np.maximum(h[near] + 1, 0))
     error = float(np.max(np.abs(again - gap[near]))) / contact.limit
     require(error <= 0.02, f"limit * sqrt(h + 1) misses the gap by {error:.1%} of the limit")
@@ -164,8 +164,12 @@ def near_states(
     return q, v, tip + offset, np.where(follows, way + drift, along)
 
 
-def _has_direction(model: Model, q: Array, v: Array, position: Array, velocity: Array) -> Flags:
-    """Nose and target have a ground direction, so that a heading means something."""
+def _means_something(
+    contact: Contact, model: Model, q: Array, v: Array, position: Array, velocity: Array
+) -> Flags:
+    """Where a contact asks where the nose points, it and the target's way have a direction on the ground."""
+    if not isinstance(contact, NoseContact):
+        return np.ones(len(q), bool)
     nose = np.linalg.norm(model.plant().nose(q)[:, :2], axis=1)
     return np.asarray((nose > 0.5) & (np.linalg.norm(velocity[:, :2], axis=1) > 0.03))
 

@@ -4,7 +4,7 @@ square        start, times and inputs determine everything else
 reading       decode(encode(plan)) is the plan; the node view says what decode says, on any phases
 limits        the scenario's limits of coordinates, rates, inputs and travel time are kept at every node,
               as bounds or as inequality rows; start and end are fixed by bounds
-cost          t_N + c_u sum h |u - u_ref|^2
+cost          t_N + c_u sum h |u - u_ref|^2, over the inputs that motors give
 Control points of curved inputs ("bezier") are only guessed by encode, so their reading and limits are not checked.
 """
 
@@ -30,6 +30,7 @@ from benchbench.mpcc.problem import evaluate, gather
 from benchbench.ocp.model import Model, input_bounds, output, output_bounds, output_box
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
+from benchbench.ocp.touching import motors
 from benchbench.transcription.dynamics import Dynamics
 from benchbench.transcription.grid import Grid, Phase
 from benchbench.transcription.nodal import input_intervals
@@ -165,7 +166,7 @@ def check_cost(dynamics: Dynamics, model: Model) -> None:
     found = _cost(transcribed, off)
     require(found > 0.7, "inputs off hover cost nothing")
     if still.interpolation == "hold":
-        effort = np.diff(still.time) @ np.sum((off.inputs - model.hover()) ** 2, axis=1)
+        effort = np.diff(still.time) @ np.sum((off.inputs - model.hover())[:, motors(model)] ** 2, axis=1)
         close(found, 0.7 + 0.01 * effort, 1e-12, "cost off hover against t_N + c_u sum h |u - u_ref|^2")
 
 

@@ -12,6 +12,7 @@ from benchbench.conformance.checks.require import require
 from benchbench.ground.arrays import Array
 from benchbench.ocp.mechanics import acceleration, mass_matrix
 from benchbench.ocp.model import Coordinates, LagrangianModel, Model, space
+from benchbench.ocp.touching import TouchingModel
 
 WIDE = 2.0
 """Where a coordinate has no limit, it is drawn from [-WIDE, WIDE]."""
@@ -87,13 +88,40 @@ def limited(of: Coordinates) -> tuple[Array, Array]:
 
 
 def random_states(model: Model, count: int, seed: int = 0) -> tuple[Array, Array, Array]:
-    """Return q (count, n_q), v (count, n_v) and u (count, n_u), uniform within the limits, q normalised."""
+    """Return q (count, n_q), v (count, n_v) and u (count, n_u), uniform within the limits, q normalised.
+
+    Forces of contact are those of q and v, as complementarity says.
+    """
     draw = np.random.default_rng(seed)
     q, v, u = (
         draw.uniform(*limited(of), (count, len(of.names)))
         for of in (model.configuration, model.velocity, model.inputs)
     )
-    return normalised(model, q), v, u
+    q = normalised(model, q)
+    return q, v, touched(model, q, v, u) if isinstance(model, TouchingModel) else u
+
+
+def touched(model: TouchingModel, q: Array, v: Array, u: Array) -> Array:
+    """Return inputs u (n, n_u) with the forces of contact at which the model's pairs vanish for q (n, n_q), v (n, n_v)."""
+    symbols = _arguments(model)
+    pair = ca.Function("pair", [*symbols], [*model.contact(*symbols)])
+    forces = [model.inputs.names.index(name) for name in model.touches]
+    return np.array([_touched(pair, forces, *state) for state in zip(q, v, u, strict=True)])
+
+
+def _touched(pair: ca.Function, forces: list[int], q: Array, v: Array, u: Array) -> Array:
+    def pushed(by: Array) -> Array:
+        inputs = u.copy()
+        inputs[forces] = by
+        return inputs
+
+    def fischer_burmeister(by: Array) -> Array:
+        g, h = (np.asarray(one).ravel() for one in pair(q, v, pushed(by)))
+        return np.asarray(g + h - np.hypot(g, h))
+
+    found = least_squares(fischer_burmeister, np.ones(len(forces)), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    require(found.cost < 1e-20, f"no forces of contact solve the pairs at q = {q}")
+    return pushed(found.x)
 
 
 def at_rest(model: Model) -> Array:
