@@ -10,8 +10,8 @@ from program import told
 from scipy.stats import binom
 
 from benchbench.analysis.binomial import decided, exact_bound
-from benchbench.analysis.front import Candidate, candidate, fastest, front
-from benchbench.analysis.refining import finer
+from benchbench.analysis.front import Candidate, candidate, elsewhere, fastest, front, paired, proves
+from benchbench.analysis.refining import finer, unseen
 from benchbench.cli import commands
 from benchbench.ground.errors import BadInput, BenchBenchError
 from benchbench.report.front import draw_front
@@ -92,6 +92,21 @@ def test_a_search_ends_at_the_fastest_slope_that_proves_it() -> None:
     assert len(front(found)) >= 6 and len(found) < 20
 
 
+def test_the_best_is_flown_in_worlds_that_it_was_not_chosen_by() -> None:
+    """Where it does not prove the target there, the search goes on: with plans between, and with the next best."""
+    best, other, bold = slope(5, 3.1, 59, 59), slope(4, 3.2, 59, 59), slope(5.25, 3.05, 10)
+    again = unseen([best, other, bold], 0.95)
+    assert again == [("+scenario=circle", "slope=5", "aim=1", "seed=1")] == [elsewhere(best.overrides)]
+    failed = flown(3.1, 110, 124, *again[0])
+    found = paired([best, other, bold, failed])
+    assert [one.again for one in found] == [failed, None, None]
+    assert not proves(found[0], 0.95) and fastest(found, 0.95) == other
+    assert asked(found) == ["slope=4.5 aim=1"] and unseen(found, 0.95) == [elsewhere(other.overrides)]
+    good = paired([best, other, bold, flown(3.1, 59, 59, *again[0])])
+    assert fastest(good, 0.95) == good[0] and unseen(good, 0.95) == [] == asked(good)
+    assert elsewhere(("seed=3", "slope=5")) == ("slope=5", "seed=4")
+
+
 def test_what_is_searched() -> None:
     """The slope and the aim, unless something else is given as a list."""
     usual = commands.run("robust", ["+scenario=circle", "flights=100"])
@@ -143,6 +158,7 @@ def test_a_search_flies_between_what_it_has_flown_and_goes_on_from_its_table(tmp
     asked = ("robust", "+scenario=circle", "scenario.aim.position=1.0", "flights=1", "target_success=0.04", "hydra.sweeper.rounds=2")  # fmt: skip
     done = told(tmp_path, *asked)
     assert "round 2" in done.stdout, done.stdout + done.stderr
+    assert "worlds that it was not chosen by" in done.stdout
     table = pd.read_csv(next((tmp_path / "results" / "robust").glob("*.csv")))
     slopes = table.overrides.str.extract(r"slope=(\S+)")[0].astype(float)
     good = dict(zip(slopes, table.succeeded == table.flights, strict=True))
@@ -151,5 +167,6 @@ def test_a_search_flies_between_what_it_has_flown_and_goes_on_from_its_table(tmp
         assert ((low + high) / 2 in good) == (good[low] != good[high])
     best = table[table.chosen]
     assert len(best) == 1 and best.travel_time_s.item() == table[table.succeeded == 1].travel_time_s.min()
+    assert best.elsewhere_flights.item() == 1
     again = told(tmp_path, *asked)
     assert "3 of 3 runs are in the table" in again.stdout and "certified  " not in again.stdout

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 Row = Mapping[str, Any]
@@ -14,6 +14,7 @@ class Candidate:
     """A certified plan that was flown: how it was asked for, its travel time in s, its flights.
 
     low: rate that its flights prove, exact and one-sided; interval: Wilson's, two-sided; reasons: against how many
+    again: the same plan, flown in worlds that it was not chosen by
     """
 
     overrides: tuple[str, ...]
@@ -23,6 +24,7 @@ class Candidate:
     low: float
     interval: tuple[float, float]
     reasons: Mapping[str, int]
+    again: Candidate | None = None
 
     @property
     def rate(self) -> float:
@@ -50,6 +52,36 @@ def front(found: Sequence[Candidate]) -> list[Candidate]:
     return kept
 
 
+def proves(one: Candidate, target: float) -> bool:
+    """Whether its flights prove the target, those in other worlds, too, where it was flown there."""
+    return one.low >= target and (one.again is None or one.again.low >= target)
+
+
 def fastest(found: Sequence[Candidate], target: float) -> Candidate | None:
     """Return the fastest plan whose flights prove the target; None without one."""
-    return min((one for one in found if one.low >= target), key=lambda one: one.travel_time, default=None)
+    return min((one for one in found if proves(one, target)), key=lambda one: one.travel_time, default=None)
+
+
+def elsewhere(overrides: Sequence[str]) -> tuple[str, ...]:
+    """Return what flies the same plan in the worlds of the next seed."""
+    return (*(text for text in overrides if not _of_seed(text)), f"seed={seed(overrides) + 1}")
+
+
+def paired(found: Sequence[Candidate]) -> list[Candidate]:
+    """Return the plans of a search, each with its flights `elsewhere`, where there are some."""
+    there = {one.overrides: one for one in found}
+    second = {elsewhere(one.overrides) for one in found} & {*there}
+    return [
+        replace(one, again=there.get(elsewhere(one.overrides)))
+        for one in found
+        if one.overrides not in second
+    ]
+
+
+def seed(overrides: Sequence[str]) -> int:
+    """Return the seed of a run, 0 where none is said."""
+    return next((int(text.partition("=")[2]) for text in overrides if _of_seed(text)), 0)
+
+
+def _of_seed(text: str) -> bool:
+    return text.lstrip("+").startswith("seed=")

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from benchbench.analysis.front import Candidate, fastest
+from benchbench.analysis.front import Candidate, elsewhere, fastest, proves
 
 STEP = 0.1
 """Difference between success rates of neighbours that is worth a plan between them: two of 20 flights."""
@@ -31,22 +31,36 @@ def finer(found: Sequence[Candidate], field: str, target: float) -> list[tuple[s
     ]
 
 
+def unseen(found: Sequence[Candidate], target: float) -> list[tuple[str, ...]]:
+    """Return overrides that fly the best plan in worlds that it was not chosen by; none where that is done, or there is none.
+
+    The best of many plans has been lucky in its worlds, too: what it proves there is told of each plan by itself.
+    """
+    best = fastest(found, target)
+    return [elsewhere(best.overrides)] if best and best.again is None else []
+
+
 def _values(family: Family, found: Sequence[Candidate], target: float) -> Iterator[float]:
     best = fastest(found, target)
     value, gentlest = family[0]
-    if gentlest.low < target and (best is None or gentlest.travel_time < best.travel_time):
-        yield _rounded((BACK if gentlest.rate >= OFTEN else FURTHER) * value)
+    if not proves(gentlest, target) and (best is None or gentlest.travel_time < best.travel_time):
+        yield _rounded((BACK if _rate(gentlest) >= OFTEN else FURTHER) * value)
     for (low, gentle), (high, bold) in pairwise(family):
-        proved = gentle.low >= target > bold.low
-        falls = abs(gentle.rate - bold.rate) >= STEP or proved
+        proved = proves(gentle, target) and not proves(bold, target)
+        falls = abs(_rate(gentle) - _rate(bold)) >= STEP or proved
         if falls and high / low >= CLOSEST and not _beaten(gentle, bold, found):
             yield _rounded((low + high) / 2)
 
 
 def _beaten(gentle: Candidate, bold: Candidate, found: Sequence[Candidate]) -> bool:
     """Whether one that was flown is as fast and as good as what is to be expected between two."""
-    speed, rate = (gentle.travel_time + bold.travel_time) / 2, (gentle.rate + bold.rate) / 2
-    return any(one.travel_time <= speed and one.rate >= rate for one in found)
+    speed, rate = (gentle.travel_time + bold.travel_time) / 2, (_rate(gentle) + _rate(bold)) / 2
+    return any(one.travel_time <= speed and _rate(one) >= rate for one in found)
+
+
+def _rate(one: Candidate) -> float:
+    """Its success where it was not chosen for it, if it was flown there."""
+    return (one.again or one).rate
 
 
 def _families(found: Sequence[Candidate], field: str) -> list[Family]:

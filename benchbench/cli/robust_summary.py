@@ -10,7 +10,7 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
-from benchbench.analysis.front import Candidate, fastest, front
+from benchbench.analysis.front import Candidate, elsewhere, fastest, front, paired
 from benchbench.run.fitting import on_terminal, width
 from benchbench.run.overrides import keys
 from benchbench.run.settings import NOT_DECISIVE
@@ -23,16 +23,20 @@ FOLDER = "robust"
 TARGET = 0.95
 """Where a run says none."""
 COLUMNS = (
-    "travel_time_s", "flights", "succeeded", "proved", "wilson_low", "wilson_high", "failed", "front", "chosen", "overrides",
+    "travel_time_s", "flights", "succeeded", "proved", "wilson_low", "wilson_high", "failed",
+    "elsewhere_flights", "elsewhere_succeeded", "elsewhere_proved", "front", "chosen", "overrides",
 )  # fmt: skip
 NAMED = ("scenario", "controller", "autopilot", "residual", "mismatch")
 """What the title of the picture says, where all plans have the same."""
 
 
-def conclude(swept: Sequence[Swept]) -> None:
-    """Print the front of what was flown, and write it; raises BadInput where it cannot be written."""
-    flown = sorted(candidates(swept), key=lambda one: one.travel_time)
-    found = [replace(one, overrides=_told(one.overrides)) for one in flown]
+def conclude(searched: bool, swept: Sequence[Swept]) -> None:
+    """Print the front of what was flown, and write it; raises BadInput where it cannot be written.
+
+    searched: whether the best were flown in other worlds, too.
+    """
+    flown = [replace(one, overrides=_told(one.overrides)) for one in candidates(swept)]
+    found = sorted(paired(flown) if searched else flown, key=lambda one: one.travel_time)
     root = next((one.place.root for one in swept if one.place), None)
     if root is None or not found:
         print("no certified plan was flown")
@@ -53,15 +57,16 @@ def conclude(swept: Sequence[Swept]) -> None:
         )
         return
     print(
-        f"fastest      {chosen.travel_time:.4f} s of those that prove {100 * target:g} %, marked ->; to fly it in other worlds:"
+        f"fastest      {chosen.travel_time:.4f} s of those that prove {100 * target:g} %, marked ->; {_elsewhere(chosen)}"
     )
-    print(f"             python -m benchbench {shlex.join(_again(chosen))}")
+    print(f"             python -m benchbench {shlex.join(elsewhere((chosen.again or chosen).overrides))}")
 
 
-def _again(one: Candidate) -> list[str]:
-    """Its overrides for flights of another seed, none left out."""
-    kept = [text for text in one.overrides if not keys([text]) & {"seed", "target_success"}]
-    return [*kept, f"seed={int(_said(one.overrides, 'seed') or 0) + 1}"]
+def _elsewhere(one: Candidate) -> str:
+    """Whether it was lucky in its worlds, and what the command is for that follows."""
+    if one.again is None:
+        return "to see whether it was lucky in its worlds, fly it in others:"
+    return f"{one.again.succeeded} of {one.again.flights} in worlds that it was not chosen by, {100 * one.again.low:.1f} % proved; in others:"
 
 
 def _draw(path: Path, found: Sequence[Candidate], target: float) -> None:
@@ -102,11 +107,13 @@ def _failed(one: Candidate) -> str:
 def _shown(found: Sequence[Candidate], best: Sequence[Candidate], chosen: Candidate | None) -> Iterator[str]:
     """Lines of a table; on a terminal only what fits, the file has all."""
     fields = list(dict.fromkeys(field for one in found for field in _differing(one, found)))
-    rows = [("", "travel time", "succeed", "proved", *fields)]
+    twice = any(one.again for one in found)
+    rows = [("", "travel time", "succeed", "proved", *(("elsewhere",) if twice else ()), *fields)]
     for one in found:
         mark, has = "->" if one is chosen else " *" if one in best else "  ", _differing(one, found)
         told = (f"{one.travel_time:.4f} s", f"{one.succeeded} of {one.flights}", f"{100 * one.low:.1f} %")
-        rows.append((mark, *told, *(has.get(field, "") for field in fields)))
+        there = f"{one.again.succeeded} of {one.again.flights}" if one.again else ""
+        rows.append((mark, *told, *((there,) if twice else ()), *(has.get(field, "") for field in fields)))
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row, why in zip(rows, ("why others fail", *map(_failed, found)), strict=True):
         line = "  ".join((*(text.rjust(size) for text, size in zip(row, widths, strict=True)), why)).rstrip()
@@ -118,10 +125,11 @@ def _table(found: Sequence[Candidate], best: Sequence[Candidate], chosen: Candid
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
     for one in found:
+        there = (one.again.flights, one.again.succeeded, one.again.low) if one.again else ("", "", "")
         writer.writerow(
             [
-                one.travel_time, one.flights, one.succeeded, one.low, *one.interval, _failed(one), one in best, one is chosen,
-                shlex.join(one.overrides),
+                one.travel_time, one.flights, one.succeeded, one.low, *one.interval, _failed(one), *there, one in best,
+                one is chosen, shlex.join(one.overrides),
             ]
         )  # fmt: skip
     return text.getvalue()

@@ -8,7 +8,7 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.axes import Axes
 
-from benchbench.analysis.front import Candidate, fastest, front
+from benchbench.analysis.front import Candidate, fastest, front, proves
 from benchbench.report.png import Picture, write_png
 from benchbench.report.style import BAD, FAINT, FRAME, GOOD, INK, LIMIT, RC
 from benchbench.storage.files import replacing
@@ -30,7 +30,7 @@ def draw_front(
         figure.suptitle(title, x=0.01, ha="left", fontsize=11, fontweight="bold", color=INK)
         best = front(found)
         for one in found:
-            _point(axes, one, one.low >= target, one in best)
+            _point(axes, one, proves(one, target), one in best)
         axes.plot(
             [one.travel_time for one in best], [100 * one.rate for one in best], color=FRAME, drawstyle="steps-post",
             linewidth=1.2, zorder=0,
@@ -58,8 +58,9 @@ def _point(axes: Axes, one: Candidate, proved: bool, best: bool) -> None:
 
 def _name(axes: Axes, one: Candidate, said: str) -> None:
     """Where no front goes: slow plans that seldom succeed."""
+    there = f", {one.again.succeeded} of {one.again.flights} in other worlds" if one.again else ""
     axes.annotate(
-        f"{one.travel_time:.3f} s, {one.succeeded} of {one.flights}\n{said}".strip(), (one.travel_time, 100 * one.rate),
+        f"{one.travel_time:.3f} s, {one.succeeded} of {one.flights}{there}\n{said}".strip(), (one.travel_time, 100 * one.rate),
         xytext=(0.99, 0.06), textcoords="axes fraction", ha="right", va="bottom", fontsize=8, color=INK,
         arrowprops={"arrowstyle": "-", "color": FAINT, "linewidth": 0.8},
     )  # fmt: skip

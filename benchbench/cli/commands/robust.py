@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from benchbench.cli.arguments import Parser
@@ -13,8 +14,9 @@ if TYPE_CHECKING:
 EPILOG = """Short for a sweep (-m) over gentler and faster plans of one task, each certified and then flown in the same worlds until its
 success is proved or cannot be proved any more; it goes on where it stopped. At its end it names the fastest plan whose flights
 prove the success that was asked for (exact, one-sided, 95 % confidence), and writes the front of travel time against success as
-table and picture. It begins with three slopes of the approach and two aims, and goes on for at most three rounds with slopes between those
-where success falls, and gentler ones where none proves it; what a plan beats that was flown is not tried. Values of any field that
+table and picture. It begins with three slopes of the approach and two aims, and goes on in rounds with slopes between those where success
+falls, and gentler ones where none proves it; what a plan beats that was flown is not tried. The fastest plan that proves it was lucky in its
+worlds, too, so it is flown again in others (the next seed), and the search goes on where it does not prove it there. Values of any field that
 are given as a list are searched instead, and nothing beside them.
 
 examples
@@ -57,7 +59,9 @@ def run(arguments: Sequence[str]) -> Sweep:
         added += _refining(typed) if not asked & {FIELD, "hydra/sweeper"} else []
     if not options:  # which may name folders of configuration
         check_first([*typed, *added])
-    return Sweep(["-m", *options, *typed, *added], conclude)
+    return Sweep(
+        ["-m", *options, *typed, *added], partial(conclude, "hydra/sweeper=front" in (*typed, *added))
+    )
 
 
 def _refining(typed: Sequence[str]) -> list[str]:

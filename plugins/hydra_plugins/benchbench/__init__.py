@@ -43,7 +43,7 @@ ConfigStore.instance().store(
     name="front",
     node={
         "_target_": "hydra_plugins.benchbench.FrontSweeper", "max_batch_size": None, "params": None,
-        "field": "scenario.contacts.approach.slope", "rounds": 4, "target": 0.95,
+        "field": "scenario.contacts.approach.slope", "rounds": 8, "target": 0.95,
     },
     provider="benchbench",
 )  # fmt: skip
@@ -149,7 +149,7 @@ class FrontSweeper(ChoiceSweeper):
     """All combinations, then rounds of those that fill the front of travel time against success in flight."""
 
     def __init__(self, field: str, rounds: int, target: float, **more: Any) -> None:
-        """Take the field whose values are refined, how many rounds at most, and the success rate to be proved."""
+        """Take the field whose values are refined, in how many rounds at most, and the success rate to be proved."""
         super().__init__(**more)
         self._field, self._rounds, self._target = field, rounds, target
 
@@ -165,22 +165,28 @@ class FrontSweeper(ChoiceSweeper):
 
     def is_done(self) -> bool:
         """Whether neither a combination nor a round is left."""
-        flown = self.overrides or []
-        if super().is_done() and len(flown) < self._rounds and (batch := self._finer()):
-            print(f"round {len(flown) + 1}: plans between those that were flown, and gentler ones")
-            self.overrides = [*flown, batch]
+        if super().is_done():
+            self.overrides = [*(self.overrides or []), *self._next(len(self.overrides or []))]
         return super().is_done()
 
-    def _finer(self) -> list[list[str]]:
-        from benchbench.analysis.refining import finer
+    def _next(self, rounds: int) -> list[list[list[str]]]:
+        """The round that follows so many: what is worth a flight; at last the best plan in worlds that it was not chosen by."""
+        from benchbench.analysis.front import paired
+        from benchbench.analysis.refining import finer, unseen
         from benchbench.sweep.rows import candidates
 
-        tried = {one.overrides for one in self._swept.swept}
-        return [
-            list(one)
-            for one in finer(candidates(self._swept.swept), self._field, self._target)
-            if one not in tried
-        ]
+        found, tried = paired(candidates(self._swept.swept)), {one.overrides for one in self._swept.swept}
+        between = [list(one) for one in finer(found, self._field, self._target) if one not in tried]
+        between = between if rounds < self._rounds else []
+        again = [list(one) for one in unseen(found, self._target) if one not in tried]
+        if between:
+            print(f"round {rounds + 1}: plans between those that were flown, and gentler ones", flush=True)
+        elif again:
+            print(
+                f"round {rounds + 1}: the fastest that proves it, in worlds that it was not chosen by",
+                flush=True,
+            )
+        return [batch for batch in (between or again,) if batch]
 
 
 class DaskLauncher(IsolatedLauncher):
