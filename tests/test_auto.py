@@ -16,7 +16,7 @@ from benchbench.certificate.certificate import Certificate
 from benchbench.certificate.check import Check
 from benchbench.certificate.replay import defects
 from benchbench.ground.arrays import Array
-from benchbench.mpcc.problem import Mpcc, evaluate
+from benchbench.mpcc.problem import Mpcc, evaluate, evaluated
 from benchbench.nlp.ledger import Ledger
 from benchbench.planning import posing
 from benchbench.planning.case import Case
@@ -30,8 +30,9 @@ from benchbench.planning.prices import of_paths
 from benchbench.planning.proximal import PRICE, kept_near
 from benchbench.planning.result import Result
 from benchbench.transcription.correction import correctable
-from benchbench.transcription.grid import Grid, Phase
+from benchbench.transcription.grid import Grid, Phase, Trajectory
 from benchbench.transcription.prolongation import prolongation
+from benchbench.transcription.runge_kutta import INCREMENTS, StageTrajectory
 
 TWO = Grid((Phase("approach", 3, 0.0, 9.0, 2.0), Phase("leave", 2, 0.0, 9.0, 1.0)))
 
@@ -42,9 +43,9 @@ def case_of(*overrides: str) -> Case:
 
 
 @lru_cache
-def on_forty() -> tuple[Case, Result]:
+def on_forty(dynamics: str = "verlet") -> tuple[Case, Result]:
     """A flight on a grid that is too coarse for its certificate."""
-    case = with_margins(case_of("scenario.intervals=40"), NONE)
+    case = with_margins(case_of("scenario.intervals=40", f"dynamics={dynamics}"), NONE)
     return case, climb(case, Ledger(60.0), posing.line(case))
 
 
@@ -278,7 +279,8 @@ def test_a_replay_that_breaks_down_is_no_share_of_a_limit() -> None:
 
 ORDERS = [
     ("dynamics=verlet",), ("dynamics=verlet", "dynamics.inputs=nodal"), ("dynamics=midpoint",),
-    ("dynamics=lie_verlet", "vehicle=table1_quaternion"),
+    ("dynamics=lie_verlet", "vehicle=table1_quaternion"), ("dynamics=trapezoidal",),
+    ("dynamics=trapezoidal", "dynamics.inputs=linear", "vehicle=table1_quaternion"),
 ]  # fmt: skip
 
 
@@ -308,9 +310,24 @@ def holds_where_it_is_flown(case: Case) -> None:
         one = {name: rows.copy() for name, rows in values.items()}
         one["q"][k + 1] += ends.configuration[k]
         one["v"][k + 1] += ends.velocity[k]
+        one |= increments(problem.trajectory, one)
         x = np.concatenate([one[v.name].ravel() for v in mpcc.variables])
         for block in (b for b in mpcc.constraints if b.name in moved):
             np.testing.assert_allclose(evaluate(block, mpcc, x)[k], block.upper[k], atol=1e-9)
+
+
+def increments(trajectory: Trajectory, values: dict[str, Array]) -> dict[str, Array]:
+    """Where stages are nodes: the increments that the Euler-Lagrange equations have there."""
+    if not isinstance(trajectory, StageTrajectory):
+        return {}
+    read = lambda block: [values[slot.variable].ravel()[slot.index] for slot in block.slots]  # noqa: E731
+    found = trajectory.increments(read)
+    for i, block in enumerate(trajectory.motion):
+        left = evaluated(
+            block, np.hstack([*read(block)[:2], found[i :: len(trajectory.motion)], *read(block)[3:]])
+        )
+        np.testing.assert_allclose(left, 0.0, atol=1e-10)
+    return {INCREMENTS: found}
 
 
 def shifts(mpcc: Mpcc, other: Mpcc) -> Iterator[tuple[str, Array, Array]]:
@@ -319,9 +336,10 @@ def shifts(mpcc: Mpcc, other: Mpcc) -> Iterator[tuple[str, Array, Array]]:
         yield one.name, one.upper, two.upper
 
 
-def test_repeated_corrections_take_the_error_away() -> None:
+@pytest.mark.parametrize("dynamics", ["verlet", "trapezoidal"])
+def test_repeated_corrections_take_the_error_away(dynamics: str) -> None:
     """On the same grid, each by more than half; margins and nodes stay as they are."""
-    case, found = on_forty()
+    case, found = on_forty(dynamics)
     plant = case.model.plant()
     errors = [np.abs(defects(found.plan, plant).velocity).max()]
     for _ in range(3):

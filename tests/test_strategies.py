@@ -169,6 +169,7 @@ def test_relaxations_refuse_a_contact_that_lasts_for_seconds() -> None:
     ("strategy", "intervals"),
     [
         ("relax", 50),
+        pytest.param("enumeration", 50, marks=pytest.mark.slow),
         pytest.param("enumeration strategy.levels=1 dynamics=trapezoidal", 60, marks=pytest.mark.slow),
     ],
 )
@@ -185,18 +186,21 @@ def test_where_the_certificate_refuses_a_strategy_goes_on_in_its_own_form(
     assert found.plan.intervals > intervals and steps == pytest.approx(steps[0], rel=1e-6)
     told = found.account["refinement"]
     assert told[0].startswith(f"N = {intervals}") and told[-1].endswith("certified")
+    assert ", corrected" in told[-1], "errors of the transcription are taken off there, too"
     assert "certified" not in told[0]
 
 
-def test_with_stages_a_relaxation_begins_on_a_coarse_grid() -> None:
-    """A cold solve of it on the grid itself may not end; the last sigma from the coarse plan does."""
+def test_with_stages_a_race_is_relaxed_on_a_coarse_grid_first() -> None:
+    """Gates that move along the nodes of the grid itself take hundreds of iterations; the last sigma from the coarse plan does not."""
     only = ("strategy.finer=1", "strategy.margin=1e-9")  # nothing that comes after
-    case = case_of("strategy=relax", "dynamics=hermite_simpson", "scenario.intervals=32", *only)
+    race = ("+scenario=race", "scenario.gates=2", "scenario.nodes_per_gate=16")
+    case = composing.case_of(*race, "strategy=relax", "dynamics=hermite_simpson", *only)
     ledger = Ledger(60.0)
     found = planned(case.strategy, case, ledger)
     stages = [spent.stage for spent in ledger.solves]
     assert found.claimed and stages.count("relaxation") == len(case.relaxation.schedule)
-    assert stages[stages.index("N = 32") - 1] == "relaxation" and ledger.relaxed
+    last = stages.index(f"N = {case.scenario.grid_intervals}")
+    assert stages[last - 1] == "relaxation" and ledger.relaxed
 
 
 @pytest.mark.parametrize("seed", [4, 7])

@@ -244,7 +244,11 @@ def gather(block: Block, offsets: dict[str, int]) -> Index:
 
 def evaluate(block: Block, mpcc: Mpcc, x: Array, sigma: float = 0.0) -> Array:
     """Value of a block at x (n,), shape (instances, n_out)."""
-    z = np.asarray(x, float)[gather(block, mpcc.offsets)]
+    return evaluated(block, np.asarray(x, float)[gather(block, mpcc.offsets)], sigma)
+
+
+def evaluated(block: Block, z: Array, sigma: float = 0.0) -> Array:
+    """Value of a block where its instances read z (instances, n_z), shape (instances, n_out)."""
     mapped = block.function.map(block.instances)
     out = mapped(z.T, block.parameters.T, np.full((1, block.instances), sigma))
     return np.asarray(ca.densify(out)).T

@@ -17,7 +17,7 @@ from benchbench.planning.onward import started, without_error
 from benchbench.planning.proximal import PRICE, kept_near
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import pose
-from benchbench.transcription.correction import correctable
+from benchbench.transcription.runge_kutta import StageTrajectory
 
 COARSE = 0.25
 """Share of the intervals that the first grid has."""
@@ -46,8 +46,8 @@ def coarse(case: Case) -> Case:
 
 
 def staged(case: Case) -> bool:
-    """Tell whether the transcription has stages, with which a cold solve at N = 100 may not end at all."""
-    return not correctable(posing.free(case, posing.line(case)).trajectory)
+    """Tell whether the transcription has stages as unknowns of their own, three to eight times as many in all."""
+    return isinstance(posing.free(case, posing.line(case)).trajectory, StageTrajectory)
 
 
 def on_grid(case: Case, intervals: int) -> Case:
@@ -84,13 +84,17 @@ def rung(
 
 def _warm(problem: Problem, case: Case, ledger: Ledger, below: Result, price: float, name: str) -> Result:
     """Solve with the multipliers of a solved grid; at a price of leaving it with the error of the transcription taken off."""
-    plant = case.model.plant()
     with ledger.building():
-        problem = started(problem, below, plant)
-        if price:
-            problem = kept_near(without_error(problem, plant), case.model.velocity, price)
+        problem = beside(problem, case, below, price)
     patient = replace(case, iteration_limit=min(WARM, case.iteration_limit))
     return pose(problem, patient, ledger, name, below)
+
+
+def beside(problem: Problem, case: Case, below: Result, price: float) -> Problem:
+    """Start a problem where a solved one ended; at a price of leaving it also with the error of the transcription taken off."""
+    plant = case.model.plant()
+    problem = started(problem, below, plant)
+    return kept_near(without_error(problem, plant), case.model.velocity, price) if price else problem
 
 
 def higher(case: Case, ledger: Ledger, below: Result) -> Result:

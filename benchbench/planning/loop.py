@@ -173,7 +173,7 @@ def settled(
     if not margin or not found.claimed or judge(found, case, ledger).certified:
         return found
     finest = finer * case.scenario.grid_intervals
-    loop = Loop(case, ledger, finest, margin, "uniform", correction=False, again=again)
+    loop = Loop(case, ledger, finest, margin, "uniform", again=again)
     good = loop.settles(with_margins(case, least), found, least, EQUAL)
     return of_the_search(found, loop.best if good else found).telling(refinement=loop.told)
 

@@ -22,6 +22,8 @@ from benchbench.ocp.handover import Handover
 from benchbench.ocp.plan import Plan
 from benchbench.ocp.scenario import Scenario
 from benchbench.planning.case import Case
+from benchbench.planning.ladder import beside
+from benchbench.planning.proximal import PRICE
 from benchbench.planning.result import Result
 from benchbench.planning.search import Account
 from benchbench.planning.strategy import pose
@@ -32,7 +34,7 @@ class Windows:
     """Windows by their first node k: kappa_init nodes from k on.
 
     start: what a first solve starts from, and any that fails from elsewhere; known: a solved window of nearly the same
-    problem, whose multipliers the first solve starts from; bounded: use lower bounds, which a mere start does not need.
+    problem, whose multipliers the first solve starts from; correct: with the error of the transcription taken off as it is there; bounded: use lower bounds, which a mere start does not need.
     """
 
     case: Case
@@ -40,6 +42,7 @@ class Windows:
     start: Plan
     known: Result | None = None
     bounded: bool = True
+    correct: bool = False
     found: dict[int, Result] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -132,6 +135,8 @@ class Windows:
             start = known.plan if known else self.start
             with self.ledger.building():
                 problem = fixed_window(self.case, start, range(k, k + self.count))
+                if known and self.correct:
+                    problem = beside(problem, self.case, known, PRICE)
             self.found[k] = pose(problem, self.case, self.ledger, f"window {k}", known)
             if self.found[k].claimed or self.ledger.over:
                 return
@@ -141,9 +146,9 @@ class Windows:
         return self.found[min(good, key=lambda other: abs(other - k))] if good else self.known
 
 
-def solved_again(case: Case, ledger: Ledger, near: Result) -> Result:
+def solved_again(case: Case, ledger: Ledger, near: Result, correct: bool = False) -> Result:
     """Solve the window of a searched result once more, with the margins that the case has now."""
-    windows = Windows(case, ledger, near.plan, near)
+    windows = Windows(case, ledger, near.plan, near, correct=correct)
     return windows.solve(windows.nearest)
 
 

@@ -16,7 +16,7 @@ Stages that coincide with a node use the node's unknowns.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
@@ -25,7 +25,7 @@ import casadi as ca
 import numpy as np
 
 from benchbench.ground.arrays import Array
-from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, rows
+from benchbench.mpcc.problem import Block, Mpcc, Slot, Variable, evaluated, rows
 from benchbench.ocp import mechanics
 from benchbench.ocp.model import ExplicitModel, Model, space
 from benchbench.ocp.node import Node
@@ -46,6 +46,8 @@ Inputs = Literal["interval", "linear", "polynomial"]
 INTERPOLATION: dict[Inputs, Interpolation] = {"interval": "hold", "linear": "linear", "polynomial": "bezier"}
 State = Literal["q", "v"]
 _STATES: tuple[State, State] = ("q", "v")
+INCREMENTS = "w_stage"
+"""Name of the unknowns W."""
 
 
 def transcribe(
@@ -67,13 +69,13 @@ def transcribe(
         rows("u", len(model.inputs.names), range(j, j + stride * grid.intervals, stride))
         for j in range(points)
     ]
-    constraints = (*_quadrature(stages, model), *_euler_lagrange(stages, model, controls))
-    mpcc = Mpcc(variables, constraints, cost(scenario, model, grid, every, stride)) + total_time(
-        scenario, grid
-    )
+    motion = tuple(_euler_lagrange(stages, model, controls))
+    mpcc = Mpcc(
+        variables, (*_quadrature(stages, model), *motion), cost(scenario, model, grid, every, stride)
+    ) + total_time(scenario, grid)
     mpcc += output_limits(scenario, model, grid)
     nodal = NodalTrajectory(grid, model, INTERPOLATION[inputs], control_points=stride)
-    return mpcc, StageTrajectory(nodal, stages)
+    return mpcc, StageTrajectory(nodal, stages, motion)
 
 
 @dataclass(frozen=True)
@@ -100,15 +102,18 @@ class Stages:
 
     def increment(self, i: int) -> Slot:
         """W_i of every interval."""
-        return rows("w_stage", self.n["v"], [k * self.tableau.stages + i for k in range(self.grid.intervals)])
+        return rows(
+            INCREMENTS, self.n["v"], [k * self.tableau.stages + i for k in range(self.grid.intervals)]
+        )
 
 
 @dataclass(frozen=True)
 class StageTrajectory:
-    """A nodal trajectory whose guesses fill the stages too."""
+    """A nodal trajectory whose guesses fill the stages too; `motion`: the Euler-Lagrange equations, a block for each stage."""
 
     nodal: NodalTrajectory
     stages: Stages
+    motion: tuple[Block, ...]
 
     @property
     def grid(self) -> Grid:
@@ -119,6 +124,19 @@ class StageTrajectory:
     def node(self) -> Node:
         """Expressions of a node."""
         return self.nodal.node
+
+    @property
+    def equations(self) -> tuple[str, ...]:
+        """Names of the equations of motion from node to node where all stages are nodes, else none."""
+        return () if self.stages.inner else ("q_node", "v_node")
+
+    def increments(self, read: Callable[[Block], Sequence[Array]]) -> Array:
+        """Return W (N stages, n_v) by which the Euler-Lagrange equations hold, which are linear in it.
+
+        read: what a block reads, slot by slot, (N, size) each; the numbers of W play no part.
+        """
+        found = [_increment(block, read(block)) for block in self.motion]
+        return np.stack(found, axis=1).reshape(-1, self.stages.n["v"])
 
     def slots(self, nodes: Sequence[int]) -> tuple[Slot, ...]:
         """Unknowns of `node.z`."""
@@ -141,8 +159,22 @@ class StageTrajectory:
         for name in _STATES:
             columns = [np.interp(at, time, column) for column in values[name].T]
             values[f"{name}_stage"] = np.stack(columns, axis=-1)
-        values["w_stage"] = np.repeat(np.diff(values["v"], axis=0), self.stages.tableau.stages, axis=0)
+        values[INCREMENTS] = np.repeat(np.diff(values["v"], axis=0), self.stages.tableau.stages, axis=0)
         return values
+
+
+def _increment(block: Block, reads: Sequence[Array]) -> Array:
+    """W of one stage of every interval, (N, n_v): a residual that is linear in it, by its values at 0 and at unit vectors."""
+    names = [slot.variable for slot in block.slots]
+
+    def left(w: Array) -> Array:
+        z = [np.broadcast_to(w, r.shape) if n == INCREMENTS else r for n, r in zip(names, reads, strict=True)]
+        return evaluated(block, np.hstack(z))
+
+    unit = np.eye(reads[names.index(INCREMENTS)].shape[1])
+    rest = left(np.zeros(len(unit)))
+    mass = np.stack([left(one) - rest for one in unit], axis=-1)
+    return np.asarray(np.linalg.solve(mass, -rest[..., None])[..., 0])
 
 
 def _stage_variables(stages: Stages, scenario: Scenario, model: Model) -> Iterator[Variable]:
@@ -155,7 +187,7 @@ def _stage_variables(stages: Stages, scenario: Scenario, model: Model) -> Iterat
         for name, (low, high) in boxes.items():
             yield Variable(f"{name}_stage", low, high, np.clip(np.zeros_like(low), low, high))
     free = np.full((stages.grid.intervals * stages.tableau.stages, stages.n["v"]), np.inf)
-    yield Variable("w_stage", -free, free, np.zeros_like(free))
+    yield Variable(INCREMENTS, -free, free, np.zeros_like(free))
 
 
 def _quadrature(stages: Stages, model: Model) -> Iterator[Block]:

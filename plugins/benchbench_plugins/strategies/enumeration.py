@@ -58,4 +58,4 @@ class Enumeration(Strategy):
 
 def _again(case: Case, ledger: Ledger, near: Result, correct: bool) -> Result:
     """The window of a result once more, on another grid the nearest one."""
-    return solved_again(case, ledger, near)
+    return solved_again(case, ledger, near, correct)

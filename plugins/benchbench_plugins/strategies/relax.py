@@ -15,9 +15,10 @@ from benchbench.nlp.method import Method
 from benchbench.planning import posing
 from benchbench.planning.case import Case, MpccStrategy
 from benchbench.planning.guess import first_plan
-from benchbench.planning.ladder import coarse, staged
+from benchbench.planning.ladder import beside, coarse, staged
 from benchbench.planning.loop import settled
 from benchbench.planning.margins import own_margins
+from benchbench.planning.proximal import PRICE
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import pose
 from benchbench.planning.windows import check_counted
@@ -28,9 +29,10 @@ from benchbench.planning.windows import check_counted
 class Relax(MpccStrategy):
     """Homotopy on the DMCC problem (paper Eq. 33), when the contact happens is left to the optimiser.
 
-    Races: at which nodes the gates are passed (complementary progress constraints). With stages (collocation, Runge-Kutta), and
-    where the first solve fails, a quarter of the grid comes first. Where the certificate refuses, margins are measured and
-    grids refined, each from the plan and the multipliers of the last and with the last sigma only.
+    Races: at which nodes the gates are passed (complementary progress constraints). A quarter of the grid comes first where the first
+    solve fails, and where gates or several contacts meet stages (collocation, Runge-Kutta): each step of one along the nodes is many iterations.
+    Where the certificate refuses, margins are measured, errors of the transcription taken off and grids refined, each
+    from the plan and the multipliers of the last and with the last sigma only.
 
     margin    largest share of a limit left unused, beyond the scenario's margins, because the replay exceeded it; 0: one grid, nothing measured
     finer     a grid is refined as long as it has fewer than so many times the intervals of the scenario
@@ -57,7 +59,7 @@ class Relax(MpccStrategy):
         first = coarse(case) if self.margin else case
         if first is case:
             return _first(case, ledger)
-        if not staged(first):
+        if len(case.scenario.itinerary.stops) == 1 or not staged(first):
             limited = replace(case, iteration_limit=min(self.patience, case.iteration_limit))
             found = _first(limited, ledger)
             if found.claimed or ledger.over:
@@ -74,7 +76,9 @@ def _first(case: Case, ledger: Ledger) -> Result:
 
 
 def _again(case: Case, ledger: Ledger, near: Result, correct: bool) -> Result:
-    """The last sigma, from a result of another grid or other margins."""
+    """The last sigma, from a result of another grid or other margins; `correct`: with the error of the transcription taken off."""
     with ledger.building():
         problem = posing.free(case, near.plan)
+        if correct:
+            problem = beside(problem, case, near, PRICE)
     return pose(problem, case, ledger, f"N = {case.scenario.grid_intervals}", near)
