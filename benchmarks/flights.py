@@ -70,7 +70,8 @@ COST = (
 )  # fmt: skip
 """What success costs: flights, and the plan that is flown with an observer; 29 without a failure prove 90 %, 59 prove 95 %."""
 HEAD = (
-    "| what | success | proved | reasons | before mm | after mm | touch p50 / p95 m/s | command p50 / p99 ms | x real time | plans in the loop, refused; p50 / p99 ms |",
+    "| what | success | proved | reasons | before mm | after mm | touch p50 / p95 m/s | command p50 / p99 ms | x real time "
+    "| plans in the loop, refused; p50 / p99 ms |",
     "|---|---|---|---|---|---|---|---|---|---|",
 )
 

@@ -58,7 +58,8 @@ def main() -> int:
             different += not answers(rough / "results").equals(wanted)
             sweeps += 1
     print(
-        f"{len(met)} kills of {sweeps} sweeps of {whole:.1f} s, rows by then {sorted(met)}: no process left, {different} tables differ; runs without a promised file: "
+        f"{len(met)} kills of {sweeps} sweeps of {whole:.1f} s, rows by then {sorted(met)}: no process left, "
+        f"{different} tables differ; runs without a promised file: "
         f"{sum(lost)} at the kills, {poor} in the end"
     )
     return 1 if different or poor or sum(lost) else 0

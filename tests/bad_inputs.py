@@ -6,6 +6,14 @@ import gzip
 import json
 from pathlib import Path
 
+SCENARIOS = (
+    "block_move, braking, cart_pole, circle, delivery, detour, double_integrator, "
+    "first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, "
+    "obstacle_car, pympcc, quadrotor_flip, race, random_delivery, random_handover, random_hardware, "
+    "random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"
+)
+"""What a message lists."""
+
 FLIGHT = "t,p_x,p_y,p_z,q_w,q_x,q_y,q_z,v_x,v_y,v_z,w_x,w_y,w_z,u_1,u_2,u_3,u_4"
 STILL = ["0,0,1,1,0,0,0,0,0,0,0,0,0,4,4,4,4", "0,0,1,1,0,0,0,0,0,0,0,0,0,4,4,4,4"]
 
@@ -84,23 +92,31 @@ CERTIFY = (
 )  # fmt: skip
 OTHERS = (
     ("table {d}/nowhere", "{d}/nowhere"), ("table {d}/nothing --columns beauty", "--columns beauty"), ("table {d}/nothing --query selekt", "--query"),
-    ("table {d}/nothing --output x.doc", "output"), ("table {d}/nothing --format xml", "benchbench table"), ("table {d}/nothing --output {d}/nothing/", "output"),
+    ("table {d}/nothing --output x.doc", "output"), ("table {d}/nothing --format xml", "benchbench table"),
+    ("table {d}/nothing --output {d}/nothing/", "output"),
     ("table {d}/file", "{d}/file"), ("report {d}/nowhere", "{d}/nowhere"), ("report {d}/nothing", "{d}/nothing"), ("report {d}/nothing --plans -1", "--plans"),
     ("report {d}/nothing --rows x", "benchbench report"), ("report", "benchbench report"), ("best {d}/nothing", "{d}/nothing"),
     ("best {d}/nowhere", "{d}/nowhere"), ("best {d}/nothing --file {d}/best.yaml", "{d}/best.yaml"), ("best {d}/nothing --file {d}/bad.yaml", "{d}/bad.yaml"),
     ("draw", "benchbench draw"), ("draw {d}/nowhere", "{d}/nowhere"), ("draw {d}/nothing", "{d}/nothing"), ("draw {d}/plans", "{d}/plans"),
-    ("export {d}/nothing --output x.csv", "{d}/nothing"), ("export {d}/nowhere --output x.csv", "{d}/nowhere"), ("export {d}/plans --output x.csv", "{d}/plans/plan.mcap"),
+    ("export {d}/nothing --output x.csv", "{d}/nothing"), ("export {d}/nowhere --output x.csv", "{d}/nowhere"),
+    ("export {d}/plans --output x.csv", "{d}/plans/plan.mcap"),
     ("export {d}/note.mcap --output x.csv", "{d}/note.mcap"), ("export {d}/plans --output x.doc", "--output"), ("export {d}/plans", "benchbench export"),
     ("export {d}/plans --output {d}/plans/plan.mcap", "--output"), ("runs {d}/nowhere", "{d}/nowhere"), ("runs {d}/nothing --remove x", "x"),
     ("runs {d}/nothing --status fine", "--status"), ("runs {d}/nothing --merge {d}/nowhere", "{d}/nowhere"), ("regress --baseline {d}/nowhere", "--baseline"),
-    ("regress --baseline {d}/base", "{d}/base/matrix.yaml"), ("regress --baseline {d}/nothing", "--baseline"), ("suite nowhere", "suite"), ("suite {d}/suite.yaml", "{d}/suite.yaml"), ("suite {d}/bad.yaml", "{d}/bad.yaml"),
+    ("regress --baseline {d}/base", "{d}/base/matrix.yaml"), ("regress --baseline {d}/nothing", "--baseline"), ("suite nowhere", "suite"),
+    ("suite {d}/suite.yaml", "{d}/suite.yaml"), ("suite {d}/bad.yaml", "{d}/bad.yaml"),
     ("tune {d}/nowhere.yaml", "{d}/nowhere.yaml"), ("tune {d}/bad.yaml", "{d}/bad.yaml"), ("tune {d}/space.yaml", "{d}/space.yaml: space"),
     ("tune {d}/odd.yaml", "{d}/odd.yaml: sweet"), ("tune {d}/tune.yaml +scenario=static", "hydra.sweeper.n_trials"), ("tune {d}/nothing", "{d}/nothing"),
     ("tune {d}/deep.yaml", "{d}/deep.yaml"), ("collection {d}/nothing", "{d}/nothing"), ("collection {d}/nowhere", "{d}/nowhere"),
-    ("bundle", "benchbench bundle"), ("bundle {d}/nothing", "{d}/nothing"), ("table {d}/file", "{d}/file"), ("report {d}/broken.json --leaderboard", "{d}/broken.json"),
-    ("plugins nonsense", "plugins"), ("robust", "scenario"), ("robust +scenario=circle flights=0", "flights"), ("robust +scenario=circle flights=-2", "flights"),
-    ("robust +scenario=race", "scenario"), ("robust +scenario=pympcc", "scenario"), ("robust +scenario=circle target_success=2", "target_success"), ("show", "benchbench show"), ("show {d}/nowhere", "{d}/nowhere"), ("show {d}/nothing", "{d}/nothing"), ("draw {d}/plans --output x.doc", "--output"),
+    ("bundle", "benchbench bundle"), ("bundle {d}/nothing", "{d}/nothing"), ("table {d}/file", "{d}/file"),
+    ("report {d}/broken.json --leaderboard", "{d}/broken.json"),
+    ("plugins nonsense", "plugins"), ("robust", "scenario"), ("robust +scenario=circle flights=0", "flights"),
+    ("robust +scenario=circle flights=-2", "flights"),
+    ("robust +scenario=race", "scenario"), ("robust +scenario=pympcc", "scenario"), ("robust +scenario=circle target_success=2", "target_success"),
+    ("show", "benchbench show"), ("show {d}/nowhere", "{d}/nowhere"), ("show {d}/nothing", "{d}/nothing"),
+    ("draw {d}/plans --output x.doc", "--output"),
     ("draw {d}/plans {d}/plans --output x.pdf", "--output"), ("draw {d}/plans --fps 0", "--fps"), ("compare {d}/nothing", "benchbench compare"),
-    ("compare {d}/nothing {d}/nowhere", "{d}/nowhere"), ("compare {d}/nothing {d}/nothing", "{d}/nothing"), ("compare {d}/nothing {d}/nothing --output x.doc", "--output"),
+    ("compare {d}/nothing {d}/nowhere", "{d}/nowhere"), ("compare {d}/nothing {d}/nothing", "{d}/nothing"),
+    ("compare {d}/nothing {d}/nothing --output x.doc", "--output"),
     ("tabel", "tabel"), ("completion", "benchbench completion"), ("completion csh", "benchbench completion"),
 )  # fmt: skip

@@ -29,7 +29,10 @@ PALETTES = {
     "vehicle, arm, end effector, target, replay": (style.FRAME, style.ARM, style.TOOL, style.TARGET, style.INK),
     "verdicts": (style.GOOD, style.BAD),
     "outcomes": tuple(failures.COLORS.values()),
-    "work": tuple(cost_split.COLORS[name] for name in ("assembly", "derivatives", "build", "function evaluations", "linear algebra, rest", "solver", "certificate")),
+    "work": tuple(
+        cost_split.COLORS[name]
+        for name in ("assembly", "derivatives", "build", "function evaluations", "linear algebra, rest", "solver", "certificate")
+    ),
     "steps": tuple(cost_split.COLORS[name] for name in ("guess", "homotopy", "last solve", "solver")),
 }  # fmt: skip
 

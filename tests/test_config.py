@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from bad_inputs import SCENARIOS
 
 from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.planning.margins import least_margins
@@ -18,12 +19,12 @@ EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "own_config"
 
 # overrides, field that the message names, what it must say besides
 REFUSED = [
-    ("", "scenario", "+scenario=NAME with NAME one of block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, quadrotor_flip, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
+    ("", "scenario", "+scenario=NAME with NAME one of " + SCENARIOS),
     ("solver=ipopt", "scenario", "none was chosen"),
     ("scenario.kappa_init=3", "scenario", "none was chosen"),
-    ("+scenario=triangle", "scenario", "'triangle' does not exist; allowed: block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, quadrotor_flip, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
+    ("+scenario=triangle", "scenario", "'triangle' does not exist; allowed: " + SCENARIOS),
     ("scenario=circle", "scenario", "+scenario=circle"),
-    ("+scenario=handover", "scenario", "not a scenario; allowed: block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, quadrotor_flip, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
+    ("+scenario=handover", "scenario", "not a scenario; allowed: " + SCENARIOS),
     ("+scenario=static +scenario=circle", "scenario", "chosen twice"),
     ("+scenario=static guess=previous", "guess.path", "is not given and has no default; allowed: guess.path=VALUE"),
     ("+scenario=static solver=simplex", "solver", "'simplex' does not exist; allowed: "),
@@ -32,7 +33,8 @@ REFUSED = [
     ("+scenario=static vehicle=null", "a choice", "CHOICE=NAME"),
     ("+scenario=static +scenario/contact=flor", "scenario/contact", "allowed: approach, floor"),
     ("+scenario=static scenario.costs={a:3}", "scenario.costs", "needs a plus sign; allowed: +scenario.costs=VALUE, or +scenario.costs.NAME=VALUE"),
-    ("+scenario=static scenario.obstacles.a=3", "scenario.obstacles", "needs a plus sign; allowed: +scenario.obstacles=VALUE, or +scenario.obstacles.NAME=VALUE"),
+    ("+scenario=static scenario.obstacles.a=3", "scenario.obstacles",
+     "needs a plus sign; allowed: +scenario.obstacles=VALUE, or +scenario.obstacles.NAME=VALUE"),
     ("+scenario=race scenario.kept_margins=[]", "scenario.kept_margins", "needs a plus sign; allowed: +scenario.kept_margins=VALUE"),
     ("+scenario=static +scenario.costs.a=3", "scenario.costs.a", "3 was given; allowed: {_target_: package.module.Class, ...} that makes a Cost"),
     ("+scenario=static scenario.gates=3", "scenario.gates", "does not exist; allowed: name, start, "),

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from bad_inputs import SCENARIOS
 from program import COMMAND, Done, assert_refused, listen, on_terminal, program, records, told
 from sweeps import QUICK
 
@@ -146,7 +147,7 @@ def test_broken_solver_leaves_a_record(tmp_path: Path, how: str, reason: str) ->
 @pytest.mark.parametrize(
     ("arguments", "field", "says"),
     [
-        (["solver=ipopt"], "scenario", "one of block_move, braking, cart_pole, circle, delivery, detour, double_integrator, first_robot, goddard, hardware_circle, hardware_circle_23, hardware_static, linear, mpcc_file, obstacle_car, pympcc, quadrotor_flip, race, random_delivery, random_handover, random_hardware, random_race, robot_arm, static, steering, transfer, turning, two_free, zermelo"),
+        (["solver=ipopt"], "scenario", "one of " + SCENARIOS),
         (["+scenario=static", "scenario.kapa_init=3"], "scenario.kapa_init", "perhaps 'kappa_init' is meant"),
         (["+scenario=static", "+solver.options.nonsense=1"], "solver", "No such IPOPT option: nonsense"),
         (["+scenario=static", "output=/proc/nope"], "output", "a folder you may write to"),

@@ -46,7 +46,8 @@ VALUES = st.recursive(
     SCALARS, lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5), inner, max_size=3), max_leaves=8
 )  # fmt: skip
 YAML = ("lap", "gates", "radius", "start", "end", ":", ": ", "\n", "- ", "[", "]", "{", "}", ",", "1", "0.5", "nan", "1e999", "x", "y", "  ",
-        "&a", "*a", "!!bool", "!!int", "!!timestamp", "!!set", "<<", "|", ">", "'", '"', "#", "---", "? ", "~", "width", "yaw", "speed", "99999999999999999999")  # fmt: skip
+        "&a", "*a", "!!bool", "!!int", "!!timestamp", "!!set", "<<", "|", ">", "'", '"', "#", "---", "? ", "~", "width", "yaw", "speed",
+        "99999999999999999999")  # fmt: skip
 CELLS = (
     "t",
     "x",

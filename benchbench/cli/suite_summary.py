@@ -23,7 +23,8 @@ from benchbench.sweep.sweep import Swept
 FOLDER = "suites"
 """In the folder of results."""
 COLUMNS = (
-    "scenario", "status", "reasons", "certified", "travel_time_s", "reward_s", "costs", "objective", "intervals", "best_known_s", "best_known_objective", "gap_percent", "lower_bound_s", "limited_by", "level_bound_s", *CPU,
+    "scenario", "status", "reasons", "certified", "travel_time_s", "reward_s", "costs", "objective", "intervals", "best_known_s",
+    "best_known_objective", "gap_percent", "lower_bound_s", "limited_by", "level_bound_s", *CPU,
     "task_hash", "config_hash", "run_id",
 )  # fmt: skip
 """What the file says of each task."""

@@ -1,6 +1,7 @@
 """The grid ladder: solve phases on a coarse grid, prolongate plan and multipliers to the next one.
 
-A cold solve on a fine grid spends most of its iterations on finding the flight; on a coarse grid each of them costs less. With stages (collocation, Runge-Kutta) a cold solve at N = 100 may not end at all.
+A cold solve on a fine grid spends most of its iterations on finding the flight; on a coarse grid each of them costs less. With stages
+(collocation, Runge-Kutta) a cold solve at N = 100 may not end at all.
 """
 
 from __future__ import annotations

@@ -60,11 +60,13 @@ COLUMNS: tuple[Column, ...] = (
     Column("intervals", "int", "", "N, number of intervals of the time grid", GRID),
     Column("kappa_init", "int", "", "number of consecutive nodes asked to be in contact", GRID),
     Column("seed", "int", "", "seed of every random number of the run", SEED),
-    Column("task_hash", "str", "", "hash of task, limits, transcription and grid, of a ready-made MPCC of its content and limits; equal hash means results may be compared"),
+    Column("task_hash", "str", "", "hash of task, limits, transcription and grid, of a ready-made MPCC of its content and limits; equal "
+        "hash means results may be compared"),
     # how it ended
     Column("status", "str", "", "typed outcome: " + ", ".join(Status)),
     Column("claimed_success", "bool", "", "the solver says it succeeded"),
-    Column("certified", "bool", "", "the certificate accepts the plan; of an MPCC that is no flight: feasible and complementary, which says nothing of stationary or bounded, see b_stationary"),
+    Column("certified", "bool", "", "the certificate accepts the plan; of an MPCC that is no flight: feasible and complementary, which says "
+        "nothing of stationary or bounded, see b_stationary"),
     Column("reasons", "strings", "", "why the plan is not certified, or why there is none; empty if certified"),
     Column("advice", "str", "", "what to change so that a rejected plan may be certified; empty if certified"),
     # what was found
@@ -72,7 +74,8 @@ COLUMNS: tuple[Column, ...] = (
     Column("objective", "float", "", "value of the cost: t_N + c_u sum h |u - u_ref|^2, own cost terms added; of a ready-made MPCC its own cost"),
     Column("lower_bound_s", "float", "s", "proved lower bound of the travel time"),
     Column("limited_by", "str", "", "demand that lower_bound_s comes from; empty where a kind of scenario does not say"),
-    Column("level_bound_s", "float", "s", "lower bound for flights whose nose is turned by the yaw torque alone, not by rolling and pitching: no proof for others"),
+    Column("level_bound_s", "float", "s", "lower bound for flights whose nose is turned by the yaw torque alone, not by rolling and "
+        "pitching: no proof for others"),
     Column("search", "str", "", "what a strategy that tries candidates tried and proved; empty for others"),
     Column("starts", "int", "", "starts that strategy=multistart solved from; empty for others"),
     Column("starts_certified", "int", "", "how many of them ended with a certified plan"),
@@ -82,9 +85,11 @@ COLUMNS: tuple[Column, ...] = (
     Column("refinement", "strings", "", "what each round of strategy=auto, or each grid of strategy=refine, gave; empty for others"),
     Column("conflict", "str", "", "what conflicts most where strategy=auto found no feasible plan, no proof; empty otherwise"),
     Column("best_known_s", "float", "s", "best certified travel time known for this task_hash when the run began, rewards taken off"),
-    Column("gap_percent", "float", "%", "how far a certified plan is above best_known_s, its rewards taken off; negative: it beats it; of a ready-made MPCC above best_known_objective, in units of its amount (of 1 where that is below 1e-3)"),
+    Column("gap_percent", "float", "%", "how far a certified plan is above best_known_s, its rewards taken off; negative: it beats it; of a "
+        "ready-made MPCC above best_known_objective, in units of its amount (of 1 where that is below 1e-3)"),
     Column("best_known_objective", "float", "", "best certified objective known for this task_hash when the run began, of a ready-made MPCC"),
-    Column("published_objective", "float", "", "published optimum of a ready-made MPCC, of the whole problem where this is a discretised one; empty where none is known"),
+    Column("published_objective", "float", "", "published optimum of a ready-made MPCC, of the whole problem where this is a discretised "
+        "one; empty where none is known"),
     Column("published_source", "str", "", "where it is published"),
     # what it cost
     Column("iterations", "int", "", "solver iterations, summed over all solves of the run"),
@@ -98,11 +103,14 @@ COLUMNS: tuple[Column, ...] = (
     Column("solve_cpu_median_s", "float", "s", "median CPU time of the solves of the repeats"),
     Column("solve_cpu_low_s", "float", "s", "smallest CPU time of the solves of the repeats"),
     Column("solve_cpu_high_s", "float", "s", "largest CPU time of the solves of the repeats"),
-    Column("reference_cpu_s", "float", "s", "CPU time of a fixed reference solve beside the repeats, which tells a loaded or slow machine from slow code; empty without repeats"),
+    Column("reference_cpu_s", "float", "s", "CPU time of a fixed reference solve beside the repeats, which tells a loaded or slow machine "
+        "from slow code; empty without repeats"),
     Column("peak_memory_mb", "float", "MB", "largest resident memory of the run's process (1 MB = 10^6 bytes)"),
     Column("derivatives_cpu_s", "float", "s", "part of build_cpu_s: derivatives of the blocks, taken, compiled or read from the cache"),
-    Column("interpreted_blocks", "int", "", "blocks that could not be compiled and stayed interpreted: no compiler, it failed, or half of time_limit was not enough for it"),
-    Column("functions_cpu_s", "float", "s", "part of solve_cpu_s: objective, constraints and their derivatives evaluated; empty where the solver does not tell"),
+    Column("interpreted_blocks", "int", "", "blocks that could not be compiled and stayed interpreted: no compiler, it failed, or half of "
+        "time_limit was not enough for it"),
+    Column("functions_cpu_s", "float", "s", "part of solve_cpu_s: objective, constraints and their derivatives evaluated; empty where the "
+        "solver does not tell"),
     Column("linear_algebra_cpu_s", "float", "s", "the rest of solve_cpu_s: linear algebra and the method's own steps; empty where the solver does not tell"),
     Column("guess_cpu_s", "float", "s", "part of solve_cpu_s: solves that only made the initial guess"),
     Column("homotopy_cpu_s", "float", "s", "part of solve_cpu_s: solves between the guess and the last one, the earlier steps of sigma"),
@@ -129,9 +137,11 @@ COLUMNS: tuple[Column, ...] = (
     Column("contact_end_s", "float", "s", "end of the last contact window"),
     Column("contact_steps", "int", "", "consecutive nodes at which every contact condition holds; the fewest of all stops"),
     Column("contact_duration_s", "float", "s", "length of the contact window; the shortest of all stops"),
-    Column("contact_gaps", "numbers", "its own", "largest gap of each contact condition in the windows (of a path condition all the time), by its name, in the unit of its limit"),
+    Column("contact_gaps", "numbers", "its own", "largest gap of each contact condition in the windows (of a path condition all the time), "
+        "by its name, in the unit of its limit"),
     Column("contact_gaps_said", "strings", "", "the same in words, with units"),
-    Column("touch_speed_mps", "float", "m/s", "relative speed on the replay where the end effector first comes within the magnet's reach of the ball; of all stops the fastest"),
+    Column("touch_speed_mps", "float", "m/s", "relative speed on the replay where the end effector first comes within the magnet's reach of "
+        "the ball; of all stops the fastest"),
     Column("touch_before_s", "float", "s", "how long before the contact window that is, 0 inside it"),
     Column("passage_m", "float", "m", "how deep the end effector passes through the ball or its stand before the window, 0 outside"),
     Column("limits_used", "numbers", "1", "share of each kind of limit and tolerance of the certificate that the plan uses, where it keeps it"),
@@ -192,7 +202,8 @@ def make_record(**values: Any) -> Record:
     """Return a record with every column, in order; what is not given is None.
 
     NaN, infinity and counts that cannot be true become None (unknown), NumPy scalars become Python numbers, text what
-    UTF-8 can say of it, up to `LONGEST` characters. Raises TypeError for a name that is no column or a value of the wrong type, ValueError for a status that does not exist.
+    UTF-8 can say of it, up to `LONGEST` characters. Raises TypeError for a name that is no column or a value of the wrong type, ValueError
+    for a status that does not exist.
     """
     unknown = sorted(values.keys() - _BY_NAME.keys())
     if unknown:

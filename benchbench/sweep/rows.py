@@ -9,7 +9,10 @@ from benchbench.analysis.front import Candidate, candidate
 from benchbench.sweep.sweep import Swept
 
 Row = Mapping[str, Any]
-FLOWN = ("certified", "travel_time_s", "flights", "flights_succeeded", "flights_low_exact", "flights_low", "flights_high", "flight_reasons", "config_hash")  # fmt: skip
+FLOWN = (
+    "certified", "travel_time_s", "flights", "flights_succeeded", "flights_low_exact", "flights_low", "flights_high",
+    "flight_reasons", "config_hash",
+)  # fmt: skip
 
 
 def rows_of(swept: Sequence[Swept], columns: Sequence[str]) -> dict[str, Row]:

@@ -11,7 +11,8 @@ from benchbench.cli.arguments import Parser
 if TYPE_CHECKING:
     from benchbench.cli.commands import Sweep
 
-EPILOG = """Short for a sweep (-m) over the seeds of a family of tasks, or over several scenarios, with everything a sweep can do: it goes on where it stopped, and
+EPILOG = """Short for a sweep (-m) over the seeds of a family of tasks, or over several scenarios, with everything a sweep can do: it goes
+on where it stopped, and
 takes any overrides and options. At its end it says how many tasks are certified, what that cost, how good the plans are and why
 the rest is not certified, and writes that beside the table. Without a name it lists the suites there are.
 

@@ -42,6 +42,9 @@ from benchbench.nlp.solver import Accuracy, Outcome, Point, Setup, Solver
 from benchbench.planning.case import Case
 
 SETUP = Setup(seconds=300.0, iterations=3000, accuracy="high", compile="never")
+TRIES = 3
+"""Solves of a solver that says that it is not repeatable: SLEQP's last digits decide whether it needs 6 to 8 iterations for a problem of
+38 unknowns or, in one of some thousand solves, calls it a dead point."""
 X_ERROR: dict[Accuracy, float] = {"low": 2e-2, "medium": 2e-3, "high": 1e-5}
 """Allowed relative error of x, much above what a KKT residual of 1e-4, 1e-6, 1e-8 gives."""
 
@@ -54,10 +57,13 @@ def solved(
 
 
 def check_solves(solver: Solver, problem: SmoothProgram) -> None:
-    """A known solution, its multipliers and accounts."""
-    outcome = solved(solver, problem)
-    require(outcome.claim == "solved", f"{problem.name}: claims {outcome.claim} ({outcome.detail})")
-    check_claim(problem, outcome)
+    """A known solution, its multipliers and accounts; one that is not repeatable has `TRIES`, and all that it claims must be true."""
+    for _ in range(1 if solver.repeatable else TRIES):
+        outcome = solved(solver, problem)
+        check_claim(problem, outcome)
+        if outcome.claim == "solved":
+            return
+    require(False, f"{problem.name}: claims {outcome.claim} ({outcome.detail})")
 
 
 def check_claim(problem: SmoothProgram, outcome: Outcome) -> None:

@@ -21,7 +21,8 @@ SHIFT_S = 1.0
 
 RUN_COLUMNS = (
     "run_id", "scenario", "intervals", "kappa_init", "dynamics", "relaxation", "solver", "strategy", "guess", "status",
-    "claimed_success", "travel_time_s", "gap_percent", "best_known_s", "best_known_objective", "published_objective", "iterations", "solve_cpu_s", "replay_defect_position_m",
+    "claimed_success", "travel_time_s", "gap_percent", "best_known_s", "best_known_objective", "published_objective", "iterations",
+    "solve_cpu_s", "replay_defect_position_m",
     "contact_gaps", "reasons", "advice", "objective", "lower_bound_s",
     "evaluations", "build_cpu_s", "certificate_cpu_s", "wall_s", "peak_memory_mb", "max_violation",
     "max_complementarity", "replay_drift_position_m", "replay_end_error_m", "max_rate_ratio", "contact_steps",

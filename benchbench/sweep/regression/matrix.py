@@ -23,7 +23,8 @@ Share = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 class Gates:
     """Tolerances: how far above the baseline a number may be, as a share of it.
 
-    `tracking` is that on the errors of flights, whose successes are counted exactly. Fewer iterations or a shorter travel time are never a regression. `solve_factor` is the factor on the ratio
+    `tracking` is that on the errors of flights, whose successes are counted exactly. Fewer iterations or a shorter travel time are never a
+    regression. `solve_factor` is the factor on the ratio
     of solve time to reference time that must be exceeded with `confidence`.
     """
 

@@ -48,7 +48,8 @@ Beyond it MUMPS takes 0.3 s in place of 15 ms for each iteration of a flight at 
 
 PLAIN = {"mumps_permuting_scaling": 0}
 """MUMPS does not match rows and columns by size: that cost time and made solves on fine grids creep. `static`, N = 800 from N = 400: 10
-iterations and 0.9 s in place of 52 and 8.0 s; of 29 other tasks, every kind of dynamics among them, all stayed certified, many in fewer iterations, a few in more.
+iterations and 0.9 s in place of 52 and 8.0 s; of 29 other tasks, every kind of dynamics among them, all stayed certified, many in fewer
+iterations, a few in more.
 Without scaling (mumps_scaling=0) nothing is gained but on replans, and a known optimum of a small MPCC is missed.
 """
 FILL = 3.0
