@@ -34,7 +34,8 @@ class Windows:
     """Windows by their first node k: kappa_init nodes from k on.
 
     start: what a first solve starts from, and any that fails from elsewhere; known: a solved window of nearly the same
-    problem, whose multipliers the first solve starts from; correct: with the error of the transcription taken off as it is there; bounded: use lower bounds, which a mere start does not need.
+    problem, whose multipliers the first solve starts from; correct: with the error of the transcription taken off as it is there; bounded:
+    use lower bounds, which a mere start does not need.
     """
 
     case: Case
