@@ -151,7 +151,7 @@ class _Invocation:
         self, combinations: Sequence[Combination], search_path: ConfigSearchPath, engine: Engine = run_all
     ) -> list[int]:
         """Run all combinations, each in a process of its own; called by our Hydra launchers."""
-        swept = sweep(combinations, search_path, self.traced, engine)
+        swept = sweep(combinations, search_path, self.traced, engine, self.swept)
         codes = [one.code for one in swept]
         self.swept += swept
         self.codes += codes

@@ -34,13 +34,16 @@ def sweep(
     search_path: ConfigSearchPath,
     traced: bool = False,
     engine: Engine = run_all,
+    before: Sequence[Swept] = (),
 ) -> list[Swept]:
     """Run all combinations and return how they ended, in order; a skipped one ended as its earlier run did.
 
-    search_path: Hydra's, for the workers; traced: show where errors came from; engine: who carries them out.
+    search_path: Hydra's, for the workers; traced: show where errors came from; engine: who carries them out; before: what ran
+    earlier in the same call, whose overrides need not be repeated either.
     """
     by_number = {combination.number: combination for combination in combinations}
-    with Display(len(combinations), traced, shared([one.overrides for one in combinations])) as display:
+    common = shared([*(one.overrides for one in before), *(one.overrides for one in combinations)])
+    with Display(len(combinations), traced, common) as display:
         account = _Account(display)
         agenda = Agenda(combinations, account)
         for task, told in engine(agenda.tasks(), search_path):
