@@ -10,6 +10,7 @@ from typing import Any, final
 
 import numpy as np
 import pytest
+from packages import install
 from rich.console import Console
 from test_certificate import LIMITS, SOLVED, only_reason
 from test_handover_certificate import MODEL, hover, task
@@ -227,11 +228,8 @@ def test_a_kind_of_scenario_registers_its_evidence_and_checks() -> None:
 def test_installed_packages_give_their_checks_short_names(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    info = tmp_path / "stranger-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: stranger\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[benchbench.checks]\nsmooth = test_checks:acceleration\n")
-    monkeypatch.syspath_prepend(tmp_path)
+    groups = {"benchbench.checks": {"smooth": "test_checks:acceleration"}}
+    monkeypatch.syspath_prepend(install(tmp_path, "stranger", groups))
     told = Limits(**(LIMITS.model_dump() | {"checks": {"smooth": -1.0}}))
     reason = only_reason(certify(hover(4, 5), task(), MODEL, told))
     assert reason == "acceleration reaches 0 m/s^2 at node 0, allowed -1 m/s^2"

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from bad_inputs import SCENARIOS
+from packages import install
 
 from benchbench.ground.errors import BadInput, IncompatibleCase
 from benchbench.planning.margins import least_margins
@@ -279,13 +280,10 @@ def test_configuration_of_an_installed_package_is_found(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A distribution with the entry point `benchbench.conf`, laid out as pip does."""
-    package, info = tmp_path / "theirs_conf", tmp_path / "theirs-1.0.dist-info"
+    package = tmp_path / "theirs_conf"
     shutil.copytree(EXAMPLE, package)
     (package / "__init__.py").touch()
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: theirs\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[benchbench.conf]\ntheirs = theirs_conf\n")
-    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.syspath_prepend(install(tmp_path, "theirs", {"benchbench.conf": {"theirs": "theirs_conf"}}))
     try:
         assert "conveyor" in config.choices("scenario")
         assert config.compose("+scenario=conveyor").scenario.name == "conveyor"

@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from packages import install
 
 import benchbench_plugins
 from benchbench.conformance.candidates import GROUPS, Configured, candidates
@@ -110,15 +111,11 @@ def third_party(tmp_path: Path) -> Path:
     (conf / "spoilt.yaml").write_text("_target_: theirs.Theirs\nscale: 1.0\noffset: 0.01\n")
     (conf / "typo.yaml").write_text("_target_: theirs.Thiers\n")
     (conf / "torn.yaml").write_text("_target_: [theirs\n")
-    info = tmp_path / "their_package-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: their-package\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(
-        "[benchbench.conf]\ntheirs = their_conf\n"
-        "[benchbench.relaxations]\ntheirs = theirs:Theirs\nbare = theirs:Bare\n"
-        "gone = theirs:Gone\nmissing = not_there:Any\nfunction = theirs:np\n"
-    )
-    return tmp_path
+    theirs = {
+        "theirs": "theirs:Theirs", "bare": "theirs:Bare", "gone": "theirs:Gone", "missing": "not_there:Any", "function": "theirs:np",
+    }  # fmt: skip
+    groups = {"benchbench.conf": {"theirs": "their_conf"}, "benchbench.relaxations": theirs}
+    return install(tmp_path, "their-package", groups)
 
 
 def run(third_party: Path, *arguments: str) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import json
 import sys
-import tomllib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,6 +13,7 @@ from typing import Any
 import composing
 import numpy as np
 import pytest
+from packages import install, install_example
 from PIL import Image
 from program import Done, told
 
@@ -36,22 +36,10 @@ KINDS = {"Scenario", "Handover", "Race", "Reach"}
 FLIGHT = ("+scenario=across", "solver=ipopt", "scenario.intervals=60", "dynamics=collocation")
 
 
-def installed(folder: Path, groups: dict[str, dict[str, str]]) -> Path:
-    """Write what an installer leaves of a package: its name and its entry points."""
-    info = folder / "benchbench_reach-0.1.0.dist-info"
-    info.mkdir(parents=True)
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: benchbench-reach\nVersion: 0.1.0\n")
-    lines = [[f"[{group}]", *(f"{n} = {v}" for n, v in each.items())] for group, each in groups.items()]
-    (info / "entry_points.txt").write_text("\n".join(line for group in lines for line in group))
-    return folder
-
-
 @pytest.fixture(scope="module")
 def path(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """Folders with the package and with what was registered for it."""
-    project = tomllib.loads((FOLDER / "pyproject.toml").read_text())["project"]
-    site = installed(tmp_path_factory.mktemp("site"), project["entry-points"])
-    return [str(site), str(FOLDER)]
+    return [str(install_example(FOLDER, tmp_path_factory.mktemp("site"))), str(FOLDER)]
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -172,7 +160,7 @@ def test_what_is_wrong_is_told_by_its_field(overrides: tuple[str, ...], said: st
 
 
 def test_a_kind_that_cannot_be_loaded_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(installed(tmp_path, {"benchbench.scenarios": {"lost": "nowhere:Lost"}}))
+    monkeypatch.syspath_prepend(install(tmp_path, "lost", {"benchbench.scenarios": {"lost": "nowhere:Lost"}}))
     with pytest.raises(BadInput, match=r"scenario\.kind: 'lost' cannot be loaded: .*nowhere"):
         kind_of({"kind": "lost"})
     assert "lost" not in kinds()

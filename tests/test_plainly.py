@@ -7,6 +7,7 @@ from typing import Any
 
 import hydra
 import pytest
+from packages import install
 
 from benchbench.ground.errors import BadInput
 from benchbench.ocp import kinds, values
@@ -100,11 +101,9 @@ def test_other_kinds_look_at_their_own_fields(scenario_name: str) -> None:
 def test_where_another_kind_is_installed_a_scenario_may_be_its_own(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    info = tmp_path / "strange-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: strange\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text("[benchbench.scenarios]\nstrange = strange:Strange\n")
-    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.syspath_prepend(
+        install(tmp_path, "strange", {"benchbench.scenarios": {"strange": "strange:Strange"}})
+    )
     assert not early("+scenario=circle", "scenario.kappa_init=0")
     assert early("+scenario=race", "scenario.gates=0")
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import yaml
 from omegaconf import OmegaConf
+from packages import install
 
 from benchbench.cli.application import start
 from benchbench.ground import registry
@@ -55,29 +56,15 @@ class Ground(Contact):
 class Never(Ground):
     kept = "always"
 '''
-ENTRIES = """
-[benchbench.conf]
-strangers = strangers_conf
-[benchbench.relaxations]
-theirs = strangers_module:Theirs
-yaml = strangers_module:Theirs
-broken = strangers_broken:Theirs
-gone = strangers_module:Gone
-number = strangers_module:__name__
-twice = strangers_module:Theirs
-[benchbench.contacts]
-ground = strangers_module:Ground
-never = strangers_module:Never
-[benchbench.costs]
-toll = strangers_module:Toll
-"""
-
-
-def install(folder: Path, name: str, entries: str) -> None:
-    info = folder / f"{name}-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
-    (info / "entry_points.txt").write_text(entries)
+REGISTERED = {
+    "benchbench.conf": {"strangers": "strangers_conf"},
+    "benchbench.relaxations": {
+        "theirs": "strangers_module:Theirs", "yaml": "strangers_module:Theirs", "broken": "strangers_broken:Theirs",
+        "gone": "strangers_module:Gone", "number": "strangers_module:__name__", "twice": "strangers_module:Theirs",
+    },
+    "benchbench.contacts": {"ground": "strangers_module:Ground", "never": "strangers_module:Never"},
+    "benchbench.costs": {"toll": "strangers_module:Toll"},
+}  # fmt: skip
 
 
 @pytest.fixture
@@ -87,8 +74,8 @@ def strangers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "strangers_broken.py").write_text("raise RuntimeError('no licence\\nsecond line')\n")
     choice(tmp_path / "strangers_conf", "yaml", 0.25)
     (tmp_path / "strangers_conf" / "__init__.py").touch()
-    install(tmp_path, "strangers", ENTRIES)
-    install(tmp_path, "others", "[benchbench.relaxations]\ntwice = strangers_module:Other\n")
+    install(tmp_path, "strangers", REGISTERED)
+    install(tmp_path, "others", {"benchbench.relaxations": {"twice": "strangers_module:Other"}})
     monkeypatch.syspath_prepend(tmp_path)
     for name in ("strangers_module", "strangers_broken", "strangers_conf"):
         monkeypatch.delitem(sys.modules, name, raising=False)

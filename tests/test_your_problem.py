@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
+from packages import install_example
 from program import told
 
 import benchbench as bb
@@ -172,25 +172,10 @@ def test_runs_with_own_parts_are_read_again_where_these_are_installed(
     with pytest.raises(bb.BadInput, match=r"height\.Height.*no installed plugin"):
         bb.load(folder).source.scene()
     for name in ("obstacle", "cost"):
-        _install(EXAMPLES / name, tmp_path / "site")
+        install_example(EXAMPLES / name, tmp_path / "site")
     monkeypatch.syspath_prepend(str(tmp_path / "site"))
     scenario, _, replay = bb.load(folder).source.scene()
     assert (list(scenario.obstacles), list(scenario.costs)) == (
         ["sphere"],
         ["height", "effort"],
     ) and replay is not None
-
-
-def _install(example: Path, site: Path) -> None:
-    """What pip leaves of the entry points of its pyproject.toml."""
-    project = tomllib.loads((example / "pyproject.toml").read_text())["project"]
-    info = site / f"{project['name'].replace('-', '_')}-{project['version']}.dist-info"
-    info.mkdir(parents=True)
-    (info / "METADATA").write_text(
-        f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: {project['version']}\n"
-    )
-    groups = (
-        "\n".join([f"[{group}]", *(f"{name} = {target}" for name, target in entries.items())])
-        for group, entries in project["entry-points"].items()
-    )
-    (info / "entry_points.txt").write_text("\n".join(groups) + "\n")

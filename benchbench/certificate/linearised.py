@@ -110,7 +110,7 @@ class Linearised:
         return Active(floor, roof, both, pairs)
 
     def snapped(self, x: Array, active: Active) -> Array:
-        """The point near x where all that is active is exactly so: least-norm Newton steps; x if they fail."""
+        """The point (n,) near x (n,) where all that is active is exactly so: least-norm Newton steps; x if they fail."""
         which = np.flatnonzero(active.rows)
         with np.errstate(invalid="ignore"):
             aim = np.where(active.floor & np.isfinite(self.lower), self.lower, self.upper)

@@ -136,7 +136,7 @@ class Plan:
 
     @property
     def input_times(self) -> Array:
-        """Times to show the rows of `inputs` at, in s."""
+        """Times to show the rows of `inputs` at, one for each, in s."""
         if self.interpolation == "linear":
             return self.time
         count = len(self.inputs) // self.intervals
