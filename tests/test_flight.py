@@ -36,7 +36,7 @@ from benchbench.ocp.motion import Motion
 from benchbench.planning.case import Case
 from benchbench.report.flights import flights_figure
 from benchbench.report.html.plans.view import view
-from benchbench.report.views import scene
+from benchbench.report.scene import scene
 from benchbench.run import config, pipeline
 from benchbench.run.filming import film_flight
 from benchbench.run.flying import campaign

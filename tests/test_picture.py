@@ -30,8 +30,8 @@ from benchbench.ocp.plan import Plan
 from benchbench.report import picture
 from benchbench.report.contact_window import CLAIM, contact_windows
 from benchbench.report.limits_panel import contact_panels, limit_panels
+from benchbench.report.scene import scene
 from benchbench.report.style import BAD, GOOD, RC
-from benchbench.report.views import scene
 from benchbench_plugins.contacts.heading import Heading
 from benchbench_plugins.contacts.position import Position
 from benchbench_plugins.contacts.velocity import Velocity

@@ -22,7 +22,7 @@ from benchbench.report.html.plans.limits import limits
 from benchbench.report.html.plans.view import view
 from benchbench.report.html.race_table import race_rows
 from benchbench.report.race_panels import race_panels
-from benchbench.report.views import scene
+from benchbench.report.scene import scene
 from benchbench.run import config, pipeline
 from benchbench.storage.collect import collect
 

@@ -31,7 +31,7 @@ from benchbench.cli.report_content import best_first, content
 from benchbench.report.claims import load, said
 from benchbench.report.html.page import render
 from benchbench.report.html.plans.view import FRAMES, frame_nodes, view
-from benchbench.report.views import scene
+from benchbench.report.scene import scene
 from benchbench.storage.collect import collect
 from benchbench.storage.files import write_record
 from benchbench.storage.playback import read_mcap

@@ -32,7 +32,7 @@ from benchbench.planning.case import Case
 from benchbench.planning.search import Candidate, Found, best_first
 from benchbench.planning.strategy import pose
 from benchbench.planning.validate import validate
-from benchbench.report.views import scene
+from benchbench.report.scene import scene
 from benchbench.run import config, pipeline
 from benchbench.storage.playback import read_mcap
 from benchbench.storage.recording import write_mcap

@@ -131,7 +131,7 @@ def test_bad_obstacles_and_costs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_sphere_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    from benchbench.report.views import standing_lines
+    from benchbench.report.scene import standing_lines
     from benchbench.run import config
 
     case = config.compose(own(monkeypatch, "obstacle"), "+scenario=around")

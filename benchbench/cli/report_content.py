@@ -23,7 +23,7 @@ from benchbench.report.html.plans.limits import limits
 from benchbench.report.html.plans.view import view
 from benchbench.report.html.room import ROWS
 from benchbench.report.panels import panels
-from benchbench.report.views import scene
+from benchbench.report.scene import scene
 from benchbench.run.failure import reason
 from benchbench.run.stored import scene_parts
 from benchbench.storage.configuration import configuration

@@ -11,8 +11,8 @@ from rich.table import Table
 from benchbench.analysis.suite import Row
 from benchbench.cli.suite_summary import why
 from benchbench.run.fitting import fitted
-from benchbench.run.summary import above, near
 from benchbench.run.sweep_line import show_line
+from benchbench.run.wording import above, near
 from benchbench.sweep.rows import rows_of
 from benchbench.sweep.sweep import Swept, shared
 

@@ -21,8 +21,8 @@ from benchbench.ground.errors import Unavailable
 from benchbench.ocp.motion import sample
 from benchbench.ocp.scenario import Scenario
 from benchbench.report.contact_window import contact_windows
+from benchbench.report.scene import Scene
 from benchbench.report.style import ARM, CONTACT, FRAME, INK, RC, TARGET, TOOL
-from benchbench.report.views import Scene
 from benchbench.storage.files import write_bytes
 
 MOVING = (".gif", ".mp4")

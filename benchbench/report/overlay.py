@@ -21,8 +21,9 @@ from benchbench.report.contact_window import contact_windows
 from benchbench.report.panel import Panel, span
 from benchbench.report.panels import panels
 from benchbench.report.png import Picture
+from benchbench.report.scene import Scene, scene, skeleton
 from benchbench.report.style import CURVES, LIMIT, RC, TARGET
-from benchbench.report.views import VIEWS, Scene, scene, skeleton
+from benchbench.report.views import VIEWS
 
 COLOURS = CURVES[:2]
 """Blue and vermilion keep apart for red-green blind readers, and as greys."""

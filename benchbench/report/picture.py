@@ -26,8 +26,9 @@ from benchbench.report.panel import Panel, draw_panel
 from benchbench.report.panels import conditions
 from benchbench.report.png import Picture, write_png
 from benchbench.report.race import race_figure
+from benchbench.report.scene import Scene, scene
 from benchbench.report.style import CONTACT, INK, LIMIT, RC, verdict_colour
-from benchbench.report.views import Scene, draw_view, label_times, legend_handles, scene
+from benchbench.report.views import draw_view, label_times, legend_handles
 from benchbench.storage.files import replacing
 
 WIDTH_IN = 14.0

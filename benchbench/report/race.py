@@ -24,8 +24,8 @@ from benchbench.report.grid import TITLE_IN, Margins
 from benchbench.report.panel import draw_panel
 from benchbench.report.png import Picture
 from benchbench.report.race_panels import race_panels
+from benchbench.report.scene import standing_lines
 from benchbench.report.style import INK, LIMIT, TARGET, verdict_colour
-from benchbench.report.views import standing_lines
 
 WIDTH_IN, HEIGHT_IN, HEADER_IN = 14.0, 9.0, 0.75
 SPACE, COLOURS = (0.015, 0.08, 0.755, 0.88), (0.9, 0.25, 0.0165, 0.5)

@@ -69,7 +69,7 @@ def draw_stored(folder: Path, output: Path | None = None, fps: float = 20.0) -> 
     from benchbench.report.figure_file import STILL, write_figure
     from benchbench.report.film import MOVING, film
     from benchbench.report.picture import draw, figure
-    from benchbench.report.views import scene
+    from benchbench.report.scene import scene
 
     if output is not None and output.suffix.lower() not in (*STILL, *MOVING):
         raise BadInput("--output", f"cannot tell the format of '{output.name}'", ", ".join((*STILL, *MOVING)))

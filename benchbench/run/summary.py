@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from benchbench.ground.families import FLOWN
+from benchbench.run.wording import above, near, number, scaled
 from benchbench.storage.best_known import SAME
 from benchbench.storage.schema import Status
 
@@ -106,7 +107,7 @@ def _flight(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         lines.append(("starts", "\n".join((f"{certified} (95 % interval {interval})", *r["optima"]))))
     if r["gates"] is not None:
         lines.append(("gates", f"{r['gates_passed']} of {r['gates']} in order{_nearest(r)}"))
-    defect, drift = (_scaled(r[f"replay_{k}_position_m"], 1e3, "mm") or "-" for k in ("defect", "drift"))
+    defect, drift = (scaled(r[f"replay_{k}_position_m"], 1e3, "mm") or "-" for k in ("defect", "drift"))
     lines.append(("replay", f"{defect} off after one interval, {drift} at worst flown open loop{_far(r)}"))
     if r["certified"] and r["limits_used_said"]:
         lines.append(("limits used", "\n".join(r["limits_used_said"][:USES])))
@@ -139,11 +140,11 @@ def _flown(r: Mapping[str, Any]) -> list[tuple[str, Text | str]]:
         f"{r['flights_succeeded']} of {r['flights']} succeed: {proved}",
         *([", ".join(f"{name}: {count:g}" for name, count in failures)] if failures else []),
         f"{how}",
-        f"tracking {_scaled(r['flight_error_before_m'], 1e3, 'mm') or '-'} before, "
-        f"{_scaled(r['flight_error_after_m'], 1e3, 'mm') or '-'} after the ball is taken; "
-        f"touch {_scaled(r['flight_touch_p50_mps'], 1, 'm/s') or '-'}, p95 {_scaled(r['flight_touch_p95_mps'], 1, 'm/s') or '-'}",
-        f"controller CPU p50 {_scaled(r['controller_cpu_p50_s'], 1e3, 'ms') or '-'}, p99 "
-        f"{_scaled(r['controller_cpu_p99_s'], 1e3, 'ms') or '-'}; {_scaled(r['real_time_factor'], 1, 'times real time') or '-'}",
+        f"tracking {scaled(r['flight_error_before_m'], 1e3, 'mm') or '-'} before, "
+        f"{scaled(r['flight_error_after_m'], 1e3, 'mm') or '-'} after the ball is taken; "
+        f"touch {scaled(r['flight_touch_p50_mps'], 1, 'm/s') or '-'}, p95 {scaled(r['flight_touch_p95_mps'], 1, 'm/s') or '-'}",
+        f"controller CPU p50 {scaled(r['controller_cpu_p50_s'], 1e3, 'ms') or '-'}, p99 "
+        f"{scaled(r['controller_cpu_p99_s'], 1e3, 'ms') or '-'}; {scaled(r['real_time_factor'], 1, 'times real time') or '-'}",
     ]
     return [("flights", "\n".join(said))]
 
@@ -256,25 +257,3 @@ def _places(paths: Mapping[str, Path]) -> dict[str, str]:
     together = Path(commonpath([path.parent for path in files])) if files else None
     shown = {"files": near(together), "": " ".join(path.name for path in files)} if together else {}
     return shown | ({"table": near(folders[0])} if folders else {})
-
-
-def above(gap: float) -> str:
-    """Return a gap in %, never -0.000."""
-    return f"{round(gap, 3) + 0.0:+.3f} %"
-
-
-def number(value: float | None, form: str, unit: str) -> str:
-    """Return a number with its unit, a dash for none."""
-    return "-" if value is None else f"{value:{form}} {unit}"
-
-
-def _scaled(value: float | None, factor: float, unit: str) -> str:
-    return "" if value is None else f"{value * factor:.3g} {unit}"
-
-
-def near(path: Path) -> str:
-    """Return a path below the current folder relative to it."""
-    try:
-        return str(path.resolve().relative_to(Path.cwd()))
-    except ValueError:
-        return str(path)

@@ -8,7 +8,8 @@ from typing import Any
 from rich.console import Console
 from rich.text import Text
 
-from benchbench.run.summary import above, flies, new_best, number
+from benchbench.run.summary import flies, new_best
+from benchbench.run.wording import above, number
 
 
 def show_line(run: int, record: Mapping[str, Any], combination: str, console: Console | None = None) -> None:

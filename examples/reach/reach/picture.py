@@ -8,7 +8,7 @@ from benchbench import Model, Plan
 from benchbench.certificate.replay import Replay
 from benchbench.report.panel import Curve, Panel
 from benchbench.report.panels import conditions
-from benchbench.report.views import Marks, marks
+from benchbench.report.scene import Marks, marks
 from reach.scenario import AXES, Reach, off
 
 

@@ -9,8 +9,8 @@ import plotly.graph_objects as go
 
 from benchbench.ground.arrays import Array
 from benchbench.report.html.charts.chart import CLEAR, FONT, GRID
+from benchbench.report.scene import Scene, skeleton
 from benchbench.report.style import ARM, CURVES, FAINT, FRAME, INK, LIMIT, TARGET, TOOL
-from benchbench.report.views import Scene, skeleton
 
 FRAMES = 60
 """About how many instants are shown; those in contact always are."""
