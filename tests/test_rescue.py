@@ -92,6 +92,17 @@ def test_a_task_without_a_flight_names_what_conflicts(words: str, missed: str, a
     assert missed in asked and against in able
 
 
+def test_two_starts_that_end_with_the_same_slack_say_what_conflicts() -> None:
+    """The second need not be looked at from where it failed, too; with another slack than before it has to be."""
+    case = case_of("+scenario=circle scenario.travel_time=[0.1,2.6]")
+    start = case.guess.plan(case, Ledger(60.0))
+    least = ease(posing.phases(case, start), case, Ledger(60.0), "slack").total
+    for before, solves in ((least, 1), (3 * least, 2)):
+        ledger = Ledger(60.0)
+        assert "travel time" in rescue(case, ledger, [start, start], [before]).conflict
+        assert len(ledger.solves) == solves
+
+
 def test_the_default_strategy_says_so_and_stops() -> None:
     """Within 1000 iterations in all; without it four starts used 400 to 3000 each on two grids."""
     words = "+scenario=circle scenario.travel_time=[0.1,2.6]"

@@ -37,7 +37,12 @@ class Eased:
     @property
     def feasible(self) -> bool:
         """Whether it is a flight that keeps everything on this grid, whether the solver was content with it or not."""
-        return sum(self.slack.values()) <= NONE
+        return self.total <= NONE
+
+    @property
+    def total(self) -> float:
+        """Sum of the largest slacks."""
+        return sum(self.slack.values())
 
     @property
     def conflicts(self) -> bool:

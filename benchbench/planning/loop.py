@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from math import isclose
 from typing import Any, Literal
 
 from benchbench.certificate.certificate import Certificate
@@ -24,6 +25,8 @@ from benchbench.transcription.correction import correctable
 
 ROUNDS = 10
 """Solves that may follow the first one from a start."""
+SAME = 1e-6
+"""Share by which objectives of the same plan from two starts differ at most."""
 
 Refinement = Literal["local", "uniform"]
 Again = Callable[[Case, Ledger, Result, bool], Result]
@@ -45,7 +48,10 @@ class Loop:
     again       how each round solves
     told        what each round gave, in words
     tried       each result, with its certificate where it claims success
-    conflict    what stands in the way, where a look for a flight with slack found that something does
+    conflict    what stands in the way, where looks for a flight with slack found that something does
+    firsts      objective of the first plan from each start
+    unfinished  where the rounds of a start were used up
+    slack       the least slack that they ended with, where a single one said so
     """
 
     case: Case
@@ -58,6 +64,9 @@ class Loop:
     told: list[str] = field(default_factory=list)
     tried: list[tuple[Result, Certificate | None]] = field(default_factory=list)
     conflict: str = ""
+    slack: list[float] = field(default_factory=list)
+    firsts: list[float] = field(default_factory=list)
+    unfinished: tuple[Case, Result, Round] | None = None
 
     @property
     def best(self) -> Result:
@@ -79,16 +88,30 @@ class Loop:
         """Plan from one start until the certificate accepts; returns whether it does."""
         least = least_margins(case.scenario, self.margin)
         level, found = self._first(with_margins(case, least), start)
+        if found.claimed and any(isclose(found.objective, one, rel_tol=SAME) for one in self.firsts):
+            self.told.append(f"{_seconds(found)}, as from an earlier start")
+            return self._resumes()
+        self.firsts.append(found.objective)
         return self.settles(level, found, least)
+
+    def _resumes(self) -> bool:
+        """Go on with as many rounds again where an earlier start had no more of them; returns whether that ends certified."""
+        unfinished, self.unfinished = self.unfinished, None
+        return unfinished is not None and self._rounds(*unfinished)
 
     def settles(self, level: Case, found: Result, least: Margins, cheap: Mapping[str, float] = CHEAP) -> bool:
         """Go on from a result that was made with the least margins until the certificate accepts; returns whether it does."""
-        now = Round(least, least, self.margin, cheap=cheap)
+        return self._rounds(level, found, Round(least, least, self.margin, cheap=cheap))
+
+    def _rounds(self, level: Case, found: Result, now: Round) -> bool:
         for left in reversed(range(ROUNDS + 1)):
             certificate = judge(found, self.case, self.ledger) if found.claimed else None
             self.tried.append((found, certificate))
             self.told.append(_sentence(found, certificate, now))
-            if certificate is None or certificate.certified or self.ledger.over or not left:
+            if certificate is None or certificate.certified or self.ledger.over:
+                break
+            if not left:
+                self.unfinished = (level, found, now)
                 break
             able = self.correction and correctable(found.problem.trajectory)
             now = replace(now, may_refine=found.plan.intervals < self.finest, correctable=able)
@@ -100,9 +123,16 @@ class Loop:
                 break
             finer = self._finer(level, found, certificate, alone, step, now) if step.finer else level
             raised = now.raised + 1 if finer is level else 0
-            now = replace(now, margins=step.margins, raised=raised, corrected=step.correct)
-            level = with_margins(finer, step.margins)
-            found = self.again(level, self.ledger, found, step.correct)
+            before, now = (
+                now.margins,
+                replace(now, margins=step.margins, raised=raised, corrected=step.correct),
+            )
+            level, last = with_margins(finer, step.margins), found
+            found = self.again(level, self.ledger, last, step.correct)
+            if not found.claimed and before != step.margins and not self.ledger.over:
+                self.told.append(_sentence(found, None, now))
+                level, now = with_margins(finer, before), replace(now, margins=before)
+                found = self.again(level, self.ledger, last, step.correct)
         return certificate is not None and certificate.certified
 
     def _first(self, case: Case, start: Plan) -> tuple[Case, Result]:
@@ -115,11 +145,13 @@ class Loop:
         if below.claimed or self.ledger.over:
             done = first is case or not below.claimed
             return (case, below) if done else self._onward(case, below, *others)
-        saved = rescue(first, self.ledger, (start, below.plan))
-        self.conflict = saved.conflict
-        if saved.conflict:
+        saved = rescue(first, self.ledger, (start, below.plan), self.slack)
+        self.conflict, self.slack = saved.conflict, [*self.slack, *saved.slack]
+        if saved.plan is not None:
+            return case, climb(case, self.ledger, saved.plan)
+        if saved.conflict or saved.slack or first is case or self.ledger.over:
             return case, below
-        return case, climb(case, self.ledger, start if saved.plan is None else saved.plan)
+        return case, rung(case, self.ledger, start)
 
     def _onward(self, case: Case, below: Result, *others: tuple[Case, Result]) -> tuple[Case, Result]:
         """The plan on the case's own grid; that of another side, where the coarse grid promised more than came of the better one."""

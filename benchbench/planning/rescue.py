@@ -26,21 +26,33 @@ SHARE = 0.2
 """Part of the largest price from which a limit is named beside it."""
 
 
+ALIKE = 1e-2
+"""Share by which the least slack of two starts may differ where they say the same."""
+
+
 @dataclass(frozen=True)
 class Rescue:
-    """A plan without slack to start from; or what conflicts most, where every start ended with slack; or neither."""
+    """A plan without slack to start from; or what conflicts; or neither.
+
+    slack     the least slack that each start ended with that a solver was content with
+    conflict  in words, where every start ended with slack, or one with as much as an earlier look
+    """
 
     plan: Plan | None = None
     conflict: str = ""
+    slack: tuple[float, ...] = ()
 
 
-def rescue(case: Case, ledger: Ledger, starts: Sequence[Plan]) -> Rescue:
-    """Solve with slack from each start until one ends without; nothing is found where forces of contact are part of the problem."""
+def rescue(case: Case, ledger: Ledger, starts: Sequence[Plan], before: Sequence[float] = ()) -> Rescue:
+    """Solve with slack from each start until one ends without; nothing is found where forces of contact are part of the problem.
+
+    before: the least slack that earlier looks ended with, from other starts.
+    """
     limited = replace(case, iteration_limit=min(PATIENCE, case.iteration_limit))
     found: list[Eased] = []
     for start in starts:
         if ledger.over:
-            return Rescue()
+            break
         with ledger.building():
             problem = posing.phases(case, start)
         if problem.mpcc.pairs:
@@ -48,10 +60,16 @@ def rescue(case: Case, ledger: Ledger, starts: Sequence[Plan]) -> Rescue:
         found.append(ease(problem, limited, ledger, "slack"))
         if found[-1].feasible:
             return Rescue(found[-1].result.plan)
-    if not all(one.conflicts for one in found):
-        return Rescue()
-    least = min(found, key=lambda one: sum(one.slack.values()))
-    return Rescue(conflict=told(least, case))
+        if found[-1].conflicts and any(_alike(found[-1].total, one) for one in before):
+            return Rescue(conflict=told(found[-1], case))
+    left = [one for one in found if one.conflicts]
+    if len(left) < len(starts):
+        return Rescue(slack=tuple(one.total for one in left))
+    return Rescue(conflict=told(min(left, key=lambda one: one.total), case))
+
+
+def _alike(one: float, other: float) -> bool:
+    return abs(one - other) <= ALIKE * min(one, other)
 
 
 def told(eased: Eased, case: Case) -> str:
