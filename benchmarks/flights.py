@@ -83,7 +83,7 @@ def rows(name: str, plan: Sequence[str], flights: int) -> Iterator[str]:
     yield from HEAD
     for overrides in TABLES[name]:
         asked = (f"flights={1 if name in ONCE else flights}", *overrides)
-        yield line(" ".join(overrides), flown(case, run, *plan, *asked))
+        yield line(f"`{' '.join(overrides)}`", flown(case, run, *plan, *asked))
 
 
 def costs() -> Iterator[str]:
@@ -92,7 +92,7 @@ def costs() -> Iterator[str]:
     for flights, *plan in COST:
         case, run = planned([part for part in plan if not part.startswith("autopilot")])
         told = flown(case, run, *plan, f"flights={flights}", "residual=observer")
-        yield line(f"{' '.join(plan)}`: {run.record['travel_time_s']:.4f} s `", told)
+        yield line(f"`{' '.join(plan)}`: {run.record['travel_time_s']:.4f} s", told)
 
 
 def planned(plan: Sequence[str]) -> tuple[Case, pipeline.Run]:
@@ -120,7 +120,7 @@ def line(what: str, r: dict) -> str:
 
     reasons = ", ".join(f"{name} {count}" for name, count in sorted(r["flight_reasons"].items())) or "-"
     return (
-        f"| `{what}` | {r['flights_succeeded']}/{r['flights']} | {100 * r['flights_low_exact']:.1f} % | {reasons} "
+        f"| {what} | {r['flights_succeeded']}/{r['flights']} | {100 * r['flights_low_exact']:.1f} % | {reasons} "
         f"| {number('flight_error_before_m', 1e3)} | {number('flight_error_after_m', 1e3)} "
         f"| {number('flight_touch_p50_mps')} / {number('flight_touch_p95_mps')} "
         f"| {number('controller_cpu_p50_s', 1e3)} / {number('controller_cpu_p99_s', 1e3)} | {number('real_time_factor')} "
