@@ -102,6 +102,7 @@ def test_the_best_is_flown_in_worlds_that_it_was_not_chosen_by() -> None:
     assert [one.again for one in found] == [failed, None, None]
     assert not proves(found[0], 0.95) and fastest(found, 0.95) == other
     assert asked(found) == ["slope=4.5 aim=1"] and unseen(found, 0.95) == [elsewhere(other.overrides)]
+    assert found[0].rate == pytest.approx((59 + 110) / (59 + 124)) and found[0].whole.runs == 183
     good = paired([best, other, bold, flown(3.1, 59, 59, *again[0])])
     assert fastest(good, 0.95) == good[0] and unseen(good, 0.95) == [] == asked(good)
     assert elsewhere(("seed=3", "slope=5")) == ("slope=5", "seed=4")

@@ -6,6 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from benchbench.analysis.wilson import Rate, wilson
+
 Row = Mapping[str, Any]
 
 
@@ -27,9 +29,16 @@ class Candidate:
     again: Candidate | None = None
 
     @property
+    def whole(self) -> Rate:
+        """How many of all its flights succeeded, those in other worlds included."""
+        both = [one for one in (self, self.again) if one]
+        return wilson(sum(one.succeeded for one in both), sum(one.flights for one in both))
+
+    @property
     def rate(self) -> float:
-        """Share of flights that succeeded."""
-        return self.succeeded / self.flights
+        """Share of all its flights that succeeded."""
+        flights = self.flights + (self.again.flights if self.again else 0)
+        return (self.succeeded + (self.again.succeeded if self.again else 0)) / flights
 
 
 def candidate(overrides: Sequence[str], row: Row) -> Candidate | None:

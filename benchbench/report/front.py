@@ -48,7 +48,8 @@ def draw_front(
 
 def _point(axes: Axes, one: Candidate, proved: bool, best: bool) -> None:
     """One candidate; those that another beats are smaller."""
-    low, high = one.interval
+    whole = one.whole
+    low, high = whole.low, whole.high
     axes.plot([one.travel_time] * 2, [100 * low, 100 * high], color=FAINT, linewidth=0.8, zorder=1)
     axes.plot(
         one.travel_time, 100 * one.rate, "o" if proved else "s", color=GOOD if proved else BAD,
