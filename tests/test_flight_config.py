@@ -83,6 +83,7 @@ def test_a_run_that_only_plans_keeps_its_hash() -> None:
         (("controller.stages=0",), "controller.stages"),
         (("controller.step=0.013",), "controller.step"),
         (("controller.step=100",), "controller.step"),
+        (("controller.latency=10",), "controller.latency"),
         (("controller.rate_limit=[1]",), "controller.rate_limit.1"),
         (("controller=nmpc_ipopt", "controller.position=-1"), "controller.position"),
         (("autopilot.proportional=[1,1,-1]",), "autopilot.proportional.2"),

@@ -194,5 +194,5 @@ def _check_motors(rig: Rig, airframe: Airframe) -> None:
     for field in ("motor_force", "servo_torque"):
         (low, high), planned = getattr(rig, field), getattr(airframe, field)
         if low > planned[0] or high < planned[1]:
-            problem = f"[{low:g}, {high:g}] is inside what the planner may use"
+            problem = f"[{low:g}, {high:g}] does not cover what the planner may use"
             raise BadInput(f"rig.{field}", problem, f"limits around [{planned[0]:g}, {planned[1]:g}]")

@@ -19,7 +19,7 @@ from benchbench.ocp.task_family import Chance
 from benchbench_plugins.controllers.condensed import Condensed, Weights
 from benchbench_plugins.controllers.prediction import Prediction
 from benchbench_plugins.controllers.receding import Horizon, Stages, receding
-from benchbench_plugins.controllers.tables import Stage
+from benchbench_plugins.controllers.tables import Ahead, Stage
 
 
 @final
@@ -40,7 +40,7 @@ class Nmpc(Controller):
     def __init__(
         self, stages: Stages = 20, step: Stage = 0.05, position: Positive = 400.0, attitude: Positive = 5.0,
         velocity: Positive = 10.0, rates: Positive = 1.0, thrust: Positive = 0.1, rate_limit: tuple[Positive, Positive, Positive] = (6.0, 6.0, 3.0),
-        soft_speed: NonNegative = 0.1, latency: NonNegative = 0.03, lead: NonNegative = 0.012, tip: NonNegative = 45.0, aside: Chance = 0.5,
+        soft_speed: NonNegative = 0.1, latency: Ahead = 0.03, lead: Ahead = 0.012, tip: NonNegative = 45.0, aside: Chance = 0.5,
     ) -> None:  # fmt: skip
         """Keep the numbers. Raises Unavailable without daqp."""
         need("daqp", "controller=nmpc")

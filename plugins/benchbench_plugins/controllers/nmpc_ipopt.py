@@ -18,7 +18,7 @@ from benchbench_plugins.controllers.condensed import Weights
 from benchbench_plugins.controllers.converged import Converged
 from benchbench_plugins.controllers.prediction import Prediction
 from benchbench_plugins.controllers.receding import Horizon, Stages, receding
-from benchbench_plugins.controllers.tables import Stage
+from benchbench_plugins.controllers.tables import Ahead, Stage
 
 
 @final
@@ -29,7 +29,7 @@ class NmpcIpopt(Controller):
     def __init__(
         self, stages: Stages = 20, step: Stage = 0.05, position: Positive = 400.0, attitude: Positive = 5.0,
         velocity: Positive = 10.0, rates: Positive = 1.0, thrust: Positive = 0.1, rate_limit: tuple[Positive, Positive, Positive] = (6.0, 6.0, 3.0),
-        latency: NonNegative = 0.03, lead: NonNegative = 0.012, tip: NonNegative = 45.0, aside: Chance = 0.5,
+        latency: Ahead = 0.03, lead: Ahead = 0.012, tip: NonNegative = 45.0, aside: Chance = 0.5,
     ) -> None:  # fmt: skip
         """Keep the numbers; they mean what they do for `nmpc`."""
         self.horizon = Horizon(stages, step, latency, lead, rate_limit, aside)

@@ -27,6 +27,8 @@ def _on_grid(step: float) -> float:
 
 Stage = Annotated[float, Field(ge=GRID, le=1, allow_inf_nan=False), AfterValidator(_on_grid)]
 """s, of one stage of a horizon."""
+Ahead = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
+"""s by which something is told or predicted before it works."""
 NEAR = 0.1
 """s before the plan comes within the magnet's reach, from which on the end effector's velocity counts: a flight may be there sooner."""
 
