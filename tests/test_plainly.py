@@ -86,16 +86,23 @@ def test_what_is_right_or_not_plain_is_left_to_the_run(fine: str) -> None:
 
 def test_the_last_of_several_may_be_right() -> None:
     assert not early("+scenario=circle", "seed=-1", "seed=1")
+    assert not early("+scenario=circle", "scenario.kappa_init=0", "++scenario.kappa_init=3")
 
 
 def test_what_a_family_draws_is_left_to_it() -> None:
     assert not early("+scenario=random_handover", "scenario.intervals=drawn")
     assert early("+scenario=random_handover", "scenario.intervals=3")
+    assert early("+scenario=random_handover", "scenario.start.arm=nan"), "what it builds on has that"
 
 
 @pytest.mark.parametrize("scenario_name", ["race", "steering", "nowhere", "transfer"])
 def test_other_kinds_look_at_their_own_fields(scenario_name: str) -> None:
     assert not early(f"+scenario={scenario_name}", "scenario.kappa_init=-1")
+
+
+def test_a_ready_made_problem_looks_at_its_own_fields(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text("_target_: mine.Mine\nname: mine\nintervals: 2\n")
+    plainly.check(("+scenario=mine", "scenario.intervals=3"), tmp_path)
 
 
 def test_where_another_kind_is_installed_a_scenario_may_be_its_own(
