@@ -74,6 +74,7 @@ def test_a_run_that_only_plans_keeps_its_hash() -> None:
         (("mismatch.mass=[-1.2,0]",), "mismatch.mass.0"),
         (("mismatch.thrust=[-1.2,0]",), "mismatch.thrust.0"),
         (("certificate@judge=race", "flights=1"), "judge._target_"),
+        (("residual=none", "residual.training=3"), "residual.training"),
         (("residual=gp", "residual.training=0"), "residual.training"),
         (("residual=constant", "residual.training=0"), "residual.training"),
         (("residual=gp", "residual.training=1e9"), "residual.training"),

@@ -35,7 +35,7 @@ _RULES = (
      "{0}", "got several values: {1}", "one value, or -m in front to run them all; a list is written [1,2]"),
     (r"Sweep parameters '\+*([^=']+)=([^']*)' requires", "{0}", "got several values: {1}", "-m in front to run them all"),
     (r"Sweeping over Hydra's configuration is not supported : '\+*([^=']+)=", "{0}", "cannot have several values", ""),
-    (r"(Config group override) must be a string", "a choice", "is no name", "CHOICE=NAME"),
+    (r"(Config group override) must be a string", "a choice", "is null or a number, which is no name", "CHOICE=NAME"),
     (r"config group '([^']+)' does not exist", "{0}", "there is no such choice", ""),
     (r"Additional config directory '([^']+)' not found", "--config-dir", "there is no folder '{0}'", "an existing folder"),
 )  # fmt: skip
@@ -77,7 +77,13 @@ def _absent(cause: ConfigAttributeError | ConfigKeyError) -> BadInput:
     names = [str(name) for name in cause.parent_node if name not in ("hydra", "_target_")]
     if parent == "scenario" and "_target_" not in cause.parent_node:
         return _not_in_scenario(str(cause.key), cause.parent_node)
-    return unknown_field(place, names, f"+{place}=VALUE to add what the YAML leaves out" if parent else "")
+    add = f"+{place}=VALUE to add what the YAML leaves out" if parent else ""
+    if names or not parent:
+        return unknown_field(place, names, add)
+    chosen = str(cause.parent_node.get("_target_", "")).rpartition(".")[2]
+    return BadInput(
+        place, f"'{chosen}' has no such field" if chosen else "does not exist", f"another {parent}, or {add}"
+    )
 
 
 def _not_in_scenario(name: str, scenario: DictConfig) -> BadInput:
