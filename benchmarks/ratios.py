@@ -4,7 +4,7 @@ PYTHON_OF_THE_OTHER is the interpreter of an environment in which that commit is
 processes and fresh folders, A B A B, after one run of each that fills the cache of compiled blocks; printed are the medians of
 their CPU seconds, children included, and of the ratios pair by pair. On a shared machine read the ratios.
 
-Parts: command, help, version, refusal, number, sweep (a run among others: eight runs less two, over six); certificate, coarse and gates,
+Parts: command, help, version, refusal, number, plugins, again (the list of plugins), sweep (a run among others: eight runs less two, over six); certificate, coarse and gates,
 which time the certificate alone and need a commit that has it where it is today.
 """
 
@@ -50,6 +50,8 @@ def main(other: str, runs: int, wanted: list[str]) -> None:
             "a number that a scenario refuses",
             lambda python: _cpu(python, *CIRCLE, "scenario.contact_guess=2"),
         ),
+        "plugins": ("plugins, nothing remembered", _first_list),
+        "again": ("plugins, nothing changed", lambda python: _cpu(python, "plugins")),
         "sweep": ("a run in a sweep, circle, N = 25", _in_a_sweep),
         "certificate": ("certificate, circle, N = 100", lambda python: _certificate(python, *CIRCLE)),
         "coarse": (
@@ -71,18 +73,23 @@ def main(other: str, runs: int, wanted: list[str]) -> None:
         print(f"| {what} | {then:.3f} | {now:.3f} | {statistics.median(ratios):.3f} ({spread}) |", flush=True)
 
 
-def _cpu(python: str, *arguments: str) -> float:
+def _cpu(python: str, *arguments: str, **variables: str) -> float:
     """CPU seconds of one call of the program, children included."""
     before = _children()
     with tempfile.TemporaryDirectory() as scratch:
         subprocess.run(
             [python, "-m", "benchbench", *arguments],
             cwd=scratch,
-            env=_environment(),
+            env=_environment() | variables,
             capture_output=True,
             check=False,
         )
     return _children() - before
+
+
+def _first_list(python: str) -> float:
+    with tempfile.TemporaryDirectory() as empty:
+        return _cpu(python, "plugins", BENCHBENCH_CACHE=empty)
 
 
 def _in_a_sweep(python: str) -> float:
