@@ -4,8 +4,8 @@ PYTHON_OF_THE_OTHER is the interpreter of an environment in which that commit is
 processes and fresh folders, A B A B, after one run of each that fills the cache of compiled blocks; printed are the medians of
 their CPU seconds, children included, and of the ratios pair by pair. On a shared machine read the ratios.
 
-Parts: command, help, version, refusal, number, plugins, again (the list of plugins), sweep (a run among others: eight runs less two, over six); certificate, coarse and gates,
-which time the certificate alone and need a commit that has it where it is today.
+Parts: command, help, version, refusal, number, plugins, again (the list of plugins), sweep (a run among others: eight runs less
+two, over six); certificate, coarse and gates, which time the certificate alone and need a commit that has it where it is today.
 """
 
 from __future__ import annotations
