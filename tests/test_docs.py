@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import pkgutil
 import re
 from pathlib import Path
 
 import pytest
 
+from benchbench.ground import registry
+
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = sorted((ROOT / "docs").glob("*.md"))
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
+FOLDERS = ("", "benchbench", "plugins/benchbench_plugins")
+"""Where paths in the text begin; the rooms are in the second."""
+FILE = re.compile(r"`((?:[a-z_]+/)+[\w.]+\.(?:py|yaml|html|ipynb|svg))(?::\d+)?`")
+EXAMPLES = ("conf/__init__.py",)
+"""Files of the reader's own."""
+MODULE = re.compile(r"`((?:benchbench|benchbench_plugins)(?:\.[a-z_0-9]+)+)\b")
+GROUPS = {f"benchbench.{group}" for group in (*registry.FAMILIES, *registry.PARTS, "conf", "checks")}
 CODE = re.compile(r"```.*?```|`[^`\n]*`", re.DOTALL)
 
 
@@ -25,9 +35,12 @@ def test_the_index_has_every_page() -> None:
     assert {page.name for page in PAGES} - {"README.md"} <= linked
 
 
-@pytest.mark.parametrize(
+EVERY = pytest.mark.parametrize(
     "page", [*PAGES, *(ROOT / f"{name}.md" for name in ("README", "ARCHITECTURE", "CONTRIBUTING"))], ids=lambda page: page.stem
 )  # fmt: skip
+
+
+@EVERY
 def test_links_lead_somewhere(page: Path) -> None:
     """Files are there, and so are the headings within them."""
     for link in LINK.findall(CODE.sub("", page.read_text("utf-8"))):
@@ -38,6 +51,17 @@ def test_links_lead_somewhere(page: Path) -> None:
         assert target.exists(), f"{page.name}: {link}"
         if heading and target.suffix == ".md":
             assert heading in headings(target), f"{page.name}: {link}"
+
+
+@EVERY
+def test_files_and_modules_that_it_names_are_there(page: Path) -> None:
+    text = page.read_text("utf-8")
+    for path in FILE.findall(text):
+        ours = any((ROOT / folder / path.partition("/")[0]).is_dir() for folder in FOLDERS)
+        found = any((ROOT / folder / path).exists() for folder in FOLDERS)
+        assert found or not ours or "NAME" in path or path in EXAMPLES, path
+    for name in set(MODULE.findall(text)) - GROUPS:
+        pkgutil.resolve_name(name)
 
 
 def headings(page: Path) -> set[str]:
