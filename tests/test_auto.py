@@ -22,12 +22,12 @@ from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.planning.disturb import disturbed
 from benchbench.planning.findings import RAISED, Round, Step, next_step
-from benchbench.planning.ladder import climb, coarse, on_grid, rung
+from benchbench.planning.ladder import NEARER, climb, coarse, on_grid, rung
 from benchbench.planning.margins import NONE, with_margins
 from benchbench.planning.mesh import apart, exceeded, halved, marked, steady
 from benchbench.planning.onward import started, without_error
 from benchbench.planning.prices import of_paths
-from benchbench.planning.proximal import PRICE, kept_near
+from benchbench.planning.proximal import PRICE, kept_near, price_of
 from benchbench.planning.result import Result
 from benchbench.transcription.correction import correctable
 from benchbench.transcription.grid import Grid, Phase, Trajectory
@@ -244,6 +244,22 @@ def test_a_price_on_leaving_a_plan_is_none_where_it_is_kept() -> None:
     other = np.concatenate([values[one.name].ravel() for one in near.mpcc.variables])
     share = PRICE * found.plan.travel_time * np.isfinite(limit).sum()
     assert np.sum(evaluate(added, near.mpcc, other)) == pytest.approx(share, rel=0.05)
+
+
+def test_what_had_to_be_kept_nearer_is_so_at_once_the_next_time() -> None:
+    """Each plan is tried at the price that the last one took, so that a flight that needs the higher one fails at the lower one once."""
+    case, found = on_forty()
+    velocity = case.model.velocity
+    assert price_of(found.problem, velocity) == 0.0
+    for price in (PRICE, NEARER * PRICE):
+        near = replace(
+            found, posed=replace(found.solution, problem=kept_near(found.problem, velocity, price))
+        )
+        assert price_of(near.problem, velocity) == pytest.approx(price)
+        ledger = Ledger(60.0)
+        after = rung(case, ledger, found.plan, near, correct=True)
+        assert after.claimed and price_of(after.problem, velocity) == pytest.approx(price)
+        assert len(ledger.solves) == 1
 
 
 def test_cut_are_intervals_in_contact_and_those_that_a_correction_does_not_reach() -> None:

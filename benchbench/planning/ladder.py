@@ -15,7 +15,7 @@ from benchbench.ocp.plan import Plan
 from benchbench.planning import posing
 from benchbench.planning.case import Case
 from benchbench.planning.onward import started, without_error
-from benchbench.planning.proximal import PRICE, kept_near
+from benchbench.planning.proximal import PRICE, kept_near, price_of
 from benchbench.planning.result import Result
 from benchbench.planning.strategy import pose
 from benchbench.transcription.runge_kutta import StageTrajectory
@@ -75,12 +75,17 @@ def rung(
     name = stage or f"N = {problem.trajectory.grid.intervals}"
     if below is None:
         return pose(problem, case, ledger, name)
-    found = _warm(problem, case, ledger, below, PRICE if correct else 0.0, name)
-    if correct and not found.claimed and not ledger.over:
-        found = _warm(problem, case, ledger, below, NEARER * PRICE, name)
-    if found.claimed or ledger.over:
-        return found
+    for price in _prices(case, below) if correct else (0.0,):
+        found = _warm(problem, case, ledger, below, price, name)
+        if found.claimed or ledger.over:
+            return found
     return pose(found.problem, case, ledger, f"{name}, again")
+
+
+def _prices(case: Case, below: Result) -> tuple[float, ...]:
+    """Prices of leaving the plan before, in the order in which they are tried: what it took the last time comes first."""
+    nearer = price_of(below.problem, case.model.velocity) > PRICE * NEARER**0.5
+    return (NEARER * PRICE, PRICE) if nearer else (PRICE, NEARER * PRICE)
 
 
 def _warm(problem: Problem, case: Case, ledger: Ledger, below: Result, price: float, name: str) -> Result:

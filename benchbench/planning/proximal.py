@@ -20,6 +20,22 @@ PRICE = 1e-3
 """Share of a flight's time that it costs to fly all of it at rates that differ by their limits."""
 
 
+NAME = "proximal"
+"""Of the block of costs."""
+
+
+def price_of(problem: Problem, velocity: Coordinates) -> float:
+    """Return at which price a problem is kept near the plan that it starts from, 0 for none."""
+    width = len(velocity.names)
+    limit = np.maximum(np.abs(velocity.lower), np.abs(velocity.upper))
+    column = int(np.argmax(np.isfinite(limit) & (limit > 0)))
+    weights = next((c.parameters[:, width + column] for c in problem.mpcc.costs if c.name == NAME), None)
+    if weights is None:
+        return 0.0
+    seconds = problem.trajectory.decode(problem.mpcc.split(problem.mpcc.guess), np.zeros(len(weights))).time
+    return float(np.median(weights / np.gradient(seconds)) * limit[column] ** 2)
+
+
 def kept_near(problem: Problem, velocity: Coordinates, price: float = PRICE) -> Problem:
     """Return the problem with a price on nodal velocities other than those it starts from; the same where it has none.
 
@@ -38,7 +54,5 @@ def kept_near(problem: Problem, velocity: Coordinates, price: float = PRICE) -> 
         return ca.dot(p[width:], (rates - p[:width]) ** 2)
 
     numbers = np.hstack([start, weights])
-    cost = block(
-        "proximal", [rows("v", width, range(nodes))], distance, parameters=numbers, unit="s", symbols="v"
-    )
+    cost = block(NAME, [rows("v", width, range(nodes))], distance, parameters=numbers, unit="s", symbols="v")
     return replace(problem, mpcc=problem.mpcc + Mpcc((), (), (cost,)))
