@@ -88,13 +88,15 @@ def descending(deepest: float) -> Reference:
 
 
 def test_a_plan_is_followed_aside_of_the_ball_by_half_of_the_room() -> None:
-    """From the reach until the planned contact begins; the room is the depth but for 40 ms of the way in."""
+    """From the reach until the planned contact begins; the room is the depth but for 40 ms of the way in. Less before a short contact."""
     frame, ball = vehicle().airframe, descending(0.01)
     place, speed = aside(ball, frame, 0.5)
     between = (ball.time >= 1.0 - (ball.reach - 0.01) / 0.1 + ball.step) & (ball.time <= 1.0)
     np.testing.assert_allclose(place[between] - [0, 0, (ball.reach - 0.01 - 0.004) / 2], 0.0, atol=1e-9)
     assert not place[ball.time > 1.51].any() and not place[ball.time < 0.3].any()
     np.testing.assert_allclose(np.cumsum(speed, axis=0) * ball.step, place, atol=1e-4)
+    short = replace(ball, window=(1.0, 1.12))  # a quarter of 0.24 s but for 40 ms: 20 ms at 0.1 m/s
+    np.testing.assert_allclose(aside(short, frame, 0.5)[0][between, 2], 0.002, atol=2.5e-4)
     for nothing in (
         aside(descending(ball.reach - 0.003), frame, 0.5),
         aside(wandering(), frame, 0.5),
