@@ -24,7 +24,10 @@ CIRCLE = ("+scenario=circle", "solver=ipopt")
 SWEEP = ("-m", *CIRCLE, "scenario.intervals=25", "workers=1")
 CERTIFY = """
 import json, sys, time
-from benchbench.run import pipeline
+try:
+    from benchbench.run import pipeline
+except ImportError:  # where it was earlier
+    from benchbench import pipeline
 from benchbench.certificate.certify import certify
 from benchbench.run import config
 case = config.compose(*sys.argv[1:])
