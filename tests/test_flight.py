@@ -504,10 +504,11 @@ def test_the_page_shows_what_success_costs() -> None:
         {
             "flights": [20, 20, None], "flights_succeeded": [10, 20, None], "flights_low": [0.3, 0.84, None],
             "flights_high": [0.7, 1.0, None], "travel_time_s": [3.0, 3.5, 2.8], "scenario": "circle",
-            "residual": ["none", "observer", None], "mismatch": "lab",
+            "residual": ["none", "observer", None], "mismatch": "lab", "certified": True,
+            "flights_low_exact": [0.3, 0.86, None], "flight_reasons": [{"early": 10}, {}, None], "problem": "circle",
         }
     )  # fmt: skip
     assert page.flown(rows) and not page.flown(rows.iloc[2:])
-    drawn = page.chart(rows).figure.data
-    assert [list(trace.x) for trace in drawn] == [[50.0], [100.0]]
-    assert list(drawn[1].error_x.arrayminus) == pytest.approx([16.0])
+    drawn = [trace for trace in page.chart(rows).figure.data if trace.mode == "markers"]
+    assert [(list(trace.x), list(trace.y)) for trace in drawn] == [([3.0], [50.0]), ([3.5], [100.0])]
+    assert list(drawn[1].error_y.arrayminus) == pytest.approx([16.0])
