@@ -9,6 +9,7 @@ from typing import NoReturn
 import numpy as np
 import pytest
 
+import benchbench as bb
 from benchbench.ground.errors import BadInput
 from benchbench.nlp.solver import Outcome, Point
 from benchbench_plugins.solvers.apart import solve_apart
@@ -63,3 +64,14 @@ def test_what_it_raises_is_raised_here() -> None:
 
     with pytest.raises(BadInput, match="solver: no; allowed: yes"):
         solve_apart(solve, START, 60.0)
+
+
+@pytest.mark.slow
+def test_a_search_that_does_not_end_is_tried_again_with_a_coarser_rank() -> None:
+    found = bb.plan("+scenario=circle", "solver=fatrop", "time_limit=30", "strategy.starts=1")
+    assert found.certified, found.record["reasons"]
+    assert found.record["solve_cpu_s"] > 10
+    stuck = bb.plan(
+        "+scenario=circle", "solver=fatrop", "+solver.options.linsol_lu_fact_tol=1e-4", "time_limit=3"
+    )
+    assert not stuck.certified
