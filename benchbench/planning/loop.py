@@ -25,6 +25,8 @@ from benchbench.transcription.correction import correctable
 
 ROUNDS = 10
 """Solves that may follow the first one from a start."""
+QUATERNION = "planned_quaternion"
+"""Name of the check of their length."""
 SAME = 1e-6
 """Share by which objectives of the same plan from two starts differ at most."""
 
@@ -113,7 +115,7 @@ class Loop:
             if not left:
                 self.unfinished = (level, found, now)
                 break
-            able = self.correction and correctable(found.problem.trajectory)
+            able = self.correction and correctable(found.problem.trajectory) and not _bent(certificate)
             now = replace(now, may_refine=found.plan.intervals < self.finest, correctable=able)
             prices = of_rates(found, level.model.velocity)
             now = replace(now, prices=prices, paths=of_paths(found, level.scenario))
@@ -213,6 +215,11 @@ def settled(
 def _seconds(found: Result) -> str:
     at = f"N = {found.plan.intervals}"
     return f"{at}: {found.plan.travel_time:.4f} s" if found.claimed else f"{at}: {found.solved.outcome.claim}"
+
+
+def _bent(certificate: Certificate) -> bool:
+    """Whether a correction has changed the length of quaternions, which the equations of a transcription keep: a finer grid does not."""
+    return any(check.name == QUATERNION for check in certificate.broken)
 
 
 def _broken(certificate: Certificate | None) -> int:
