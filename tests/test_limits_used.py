@@ -34,6 +34,16 @@ def test_the_fullest_of_each_kind_is_told() -> None:
     )  # fmt: skip
 
 
+def test_what_two_checks_ask_for_is_told_once() -> None:
+    checks = [
+        at_most(name, "speed of approach", value, 0.05, "m/s")
+        for name, value in (("planned", 0.048), ("flown", 0.049))
+    ]
+    found = Certificate(tuple(checks), Measures(), None).record()
+    assert found["limits_used_said"] == ("speed of approach 0.049 of 0.05 m/s",)
+    assert set(found["limits_used"]) == {"planned", "flown"}
+
+
 @pytest.mark.parametrize("value", [2.0, np.nan, np.inf, -np.inf])
 def test_what_is_broken_or_no_number_uses_nothing(value: float) -> None:
     used = Certificate((at_most("a", "the way", value, 1.0, "m"),), Measures(), None).record()

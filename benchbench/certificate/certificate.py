@@ -88,9 +88,13 @@ class Certificate:
     def record(self) -> Record:
         """Flat numbers for a table row; what is absent or not finite is None."""
         numbers = {name: _finite(value) for name, value in vars(self.measures).items()}
+        said: dict[str, str] = {}
+        for check in self.uses:
+            if check.used >= NEAR:  # at nodes and on the replay the same thing is asked for
+                said.setdefault(check.what, check.use)
         uses = {
             "limits_used": {check.name: check.used for check in self.uses},
-            "limits_used_said": tuple(check.use for check in self.uses if check.used >= NEAR),
+            "limits_used_said": tuple(said.values()),
         }
         return {
             "certified": self.certified, "reasons": self.reasons, "advice": self.advice, **numbers, **uses,
