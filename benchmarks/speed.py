@@ -100,7 +100,8 @@ def main(repeats: int) -> None:
                 for mode in MODES if strategy == "phases" else ("auto",):
                     _strategies(name, strategy, mode, repeats, scratch)
         for name in NODES:
-            _replans(name, scratch)
+            for intervals in (50, 25):
+                _replans(name, intervals, scratch)
         for name in NODES:
             runs = [_beside(lambda name=name: _whole(name, scratch)) for _ in range(repeats)]
             note = f"{max(r['memory'] for r in runs):.0f} MB, exit code {runs[0]['code']}"
@@ -125,11 +126,11 @@ def _strategies(name: str, strategy: str, mode: str, repeats: int, scratch: str)
     _row(what, name, runs, ("build", "solve"), note)
 
 
-def _replans(name: str, scratch: str) -> None:
-    found = _run(REPLAN, scratch, name, "50")
+def _replans(name: str, intervals: int, scratch: str) -> None:
+    found = _run(REPLAN, scratch, name, str(intervals))
     middle, wall = (statistics.median(found[k]) for k in ("iterations", "wall"))
     runs = [{"cpu": cpu, "reference": found["reference"]} for cpu in found["cpu"]]
-    _row("one replan N=50", name, runs, ("cpu",), f"{middle:.0f} iterations, wall {wall:.3f} s")
+    _row(f"one replan N={intervals}", name, runs, ("cpu",), f"{middle:.0f} iterations, wall {wall:.3f} s")
 
 
 def _environment(scratch: str) -> dict[str, str]:
