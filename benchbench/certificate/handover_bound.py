@@ -39,8 +39,8 @@ def handover_bound(scenario: ToRest, model: Model, plant: Plant) -> Bound:
 
 def _quickest(scenario: ToRest, model: Model, plant: Plant) -> Bound:
     """A task is asked about before it is planned and when its plan is told: the last ones are kept, with what they are kept for."""
-    for *of, bound in _KEPT:
-        if of[0] is scenario and of[1] is model and of[2] is plant:
+    for task, vehicle, known, bound in _KEPT:
+        if task is scenario and vehicle is model and known is plant:
             return bound
     sequences = scenario.itinerary.sequences()
     found = min((_proved(scenario, made, model, plant) for made in sequences), key=_seconds)

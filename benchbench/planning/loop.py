@@ -125,10 +125,8 @@ class Loop:
                 break
             finer = self._finer(level, found, certificate, alone, step, now) if step.finer else level
             raised = now.raised + 1 if finer is level else 0
-            before, now = (
-                now.margins,
-                replace(now, margins=step.margins, raised=raised, corrected=step.correct),
-            )
+            before = now.margins
+            now = replace(now, margins=step.margins, raised=raised, corrected=step.correct)
             level, last = with_margins(finer, step.margins), found
             found = self.again(level, self.ledger, last, step.correct)
             if not found.claimed and before != step.margins and not self.ledger.over:

@@ -19,7 +19,7 @@ CLAIMS: dict[str, Claim] = {"0": "solved", "1": "failed", "-1": "failed"}
 
 
 RANK = 1e-4
-"""Pivots below this share count as zero; with FATROP's own 1e-5 more searches for a direction did not end."""
+"""Pivots below this share count as zero; above FATROP's own, with which more searches for a direction did not end."""
 COARSER = 1e-3
 """The same for a second try: it ends where the first does not (circle, N = 25), and takes more iterations elsewhere."""
 
@@ -40,7 +40,7 @@ class Fatrop(Solver):
     def prepare(self, mpcc: Mpcc, setup: Setup) -> Prepared:
         """Put into stages, assemble, solve there, read back."""
         staged = stages(mpcc)
-        solve = self._assembled(staged, setup, RANK)
+        solve = self._assembled(staged, setup, self.native_options(setup))
         chosen = "linsol_lu_fact_tol" in self.options
         patience = setup.seconds if chosen else min(setup.seconds, max(0.1 * setup.seconds, 10.0))
 
@@ -48,21 +48,27 @@ class Fatrop(Solver):
             there = staged.there(start)
             outcome = solve_apart(partial(solve, sigma), there, patience)
             if outcome.claim == "time_limit" and patience < setup.seconds:
-                second = partial(self._assembled(staged, setup, COARSER), sigma)
-                again = solve_apart(second, there, setup.seconds - patience)
+                coarser = self.native_options(setup) | {"linsol_lu_fact_tol": COARSER}
+                second = self._assembled(staged, setup, coarser)  # rarely needed, so not built before
+                again = solve_apart(partial(second, sigma), there, setup.seconds - patience)
                 outcome = replace(again, cpu_s=outcome.cpu_s + again.cpu_s)
             return replace(outcome, point=staged.back(outcome.point))
 
         return through
 
-    def _assembled(self, staged: Staged, setup: Setup, rank: float) -> Prepared:
+    @staticmethod
+    def _assembled(staged: Staged, setup: Setup, options: dict[str, Any]) -> Prepared:
         backend = Backend("fatrop", CLAIMS, staged.reorder, _structure(staged), timed=False)
-        options = {"fatrop": self.native_options(setup) | {"linsol_lu_fact_tol": rank} | self.options}
-        return casadi_nlp.prepare(backend, staged.mpcc, setup, options)
+        return casadi_nlp.prepare(backend, staged.mpcc, setup, {"fatrop": options})
 
     def native_options(self, setup: Setup) -> dict[str, Any]:
-        """FATROP's tol and max_iter."""
-        own = {"tol": TOLERANCE[setup.accuracy], "max_iter": setup.iterations, "print_level": 0}
+        """FATROP's tol and max_iter, and the rank tolerance of the first try."""
+        own = {
+            "tol": TOLERANCE[setup.accuracy],
+            "max_iter": setup.iterations,
+            "linsol_lu_fact_tol": RANK,
+            "print_level": 0,
+        }
         return own | self.options
 
     def version(self) -> str:
