@@ -16,8 +16,6 @@ from benchbench_plugins.solvers.apart import solve_apart
 from benchbench_plugins.solvers.casadi_nlp import Backend
 
 CLAIMS: dict[str, Claim] = {"0": "solved", "1": "failed", "-1": "failed"}
-
-
 RANK = 1e-4
 """Pivots below this share count as zero; above FATROP's own, with which more searches for a direction did not end."""
 COARSER = 1e-3
@@ -64,11 +62,8 @@ class Fatrop(Solver):
     def native_options(self, setup: Setup) -> dict[str, Any]:
         """FATROP's tol and max_iter, and the rank tolerance of the first try."""
         own = {
-            "tol": TOLERANCE[setup.accuracy],
-            "max_iter": setup.iterations,
-            "linsol_lu_fact_tol": RANK,
-            "print_level": 0,
-        }
+            "tol": TOLERANCE[setup.accuracy], "max_iter": setup.iterations, "linsol_lu_fact_tol": RANK, "print_level": 0,
+        }  # fmt: skip
         return own | self.options
 
     def version(self) -> str:
